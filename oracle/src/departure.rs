@@ -1,7 +1,7 @@
 //! Classifications that depart from SPEC section 4 in one respect, exactly otherwise: what a code with that mistake would answer.
 
+use crate::classification::{Classification, Observer};
 use crate::pair::Pair;
-use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Predicate};
 use rockproof_model::{Contact, Sign, ToleranceSet};
 
@@ -22,7 +22,8 @@ impl Pair<'_> {
     ///
     /// What is beyond the reach of `search` is skipped as always, so that a departure about nearness shows at ties alone.
     pub fn classify_departing(&self, tolerances: &ToleranceSet, departure: Departure<'_>) -> Vec<Contact> {
-        Classification::new(self, tolerances, Departing { departure, under_way: None }).classify()
+        let observer: &mut dyn Observer = &mut Departing { departure, under_way: None };
+        Classification::new(self, tolerances, observer).classify()
     }
 }
 
@@ -33,19 +34,11 @@ struct Departing<'d> {
 }
 
 impl Observer for Departing<'_> {
-    const ACTIVE: bool = true;
-
     fn begin(&mut self, decision: &Decision) {
         self.under_way = Some(decision.predicate);
     }
 
-    fn sign(&mut self, _sign: Sign, _margin: &mut dyn FnMut() -> f64) {}
-
-    fn end(&mut self, _decision: &Decision, _outcome: i8) {
-        self.under_way = None;
-    }
-
-    fn taken(&self, sign: Sign) -> Sign {
+    fn sign(&mut self, sign: Sign, _margin: &mut dyn FnMut() -> f64) -> Sign {
         match self.departure {
             // The orientation of an entrance turns the signs that its gap is made of: that one is seen to below.
             Departure::Tie(predicate, taken)
@@ -57,14 +50,16 @@ impl Observer for Departing<'_> {
         }
     }
 
-    fn answered(&self, decision: &Decision, yes: bool) -> bool {
+    fn end(&mut self, decision: &Decision, yes: bool) -> bool {
+        self.under_way = None;
         match self.departure {
             Departure::Always(predicate, answer) if predicate == decision.predicate => answer,
             _ => yes,
         }
     }
 
-    fn signed(&self, decision: &Decision, sign: Sign) -> Sign {
+    fn end_with_sign(&mut self, decision: &Decision, sign: Sign) -> Sign {
+        self.under_way = None;
         match self.departure {
             Departure::Tie(predicate, taken) if sign.is_zero() && predicate == decision.predicate => taken,
             _ => sign,

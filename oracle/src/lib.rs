@@ -7,6 +7,7 @@
 
 pub mod audit;
 mod boxes;
+mod classification;
 pub mod combination;
 mod contact;
 mod convex_cells;

@@ -7,9 +7,8 @@ use crate::view::Scales;
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
-use num_traits::{One, ToPrimitive};
+use num_traits::One;
 use rockproof_model::lattice::Lattice;
-use rockproof_model::number::{odd_and_twos, split_f64};
 use rockproof_model::{Number, Ring, ToleranceSet};
 
 impl Scales<Approx> {
@@ -191,17 +190,11 @@ fn of_few_digits<const N: usize>(numbers: [&Number; N], lattice: &Lattice) -> Op
     Some((scaled, shifted(i128::from(common / shared), shift as u32)))
 }
 
-/// A number as p/m · 2^k with odd p, m and k, zero as 0/1; `None` where these have many digits.
+/// [`Number::small_fraction`] with an odd p, but for zero.
 fn odd_fraction(number: &Number) -> Option<(i128, u64, i32)> {
-    if let Some(value) = number.as_f64() {
-        let (significand, exponent) = split_f64(value);
-        return Some((i128::from(significand), 1, exponent));
-    }
-    let ratio = number.as_ratio()?;
-    let (odd, twos) = odd_and_twos(ratio.denom())?;
-    let numerator = ratio.numer().to_i128()?;
-    let zeros = numerator.trailing_zeros();
-    Some((numerator >> zeros, odd, zeros as i32 - twos as i32))
+    let (p, m, k) = number.small_fraction()?;
+    let zeros = if p == 0 { 0 } else { p.trailing_zeros() };
+    Some((p >> zeros, m, k + zeros as i32))
 }
 
 /// `value · 2^by`

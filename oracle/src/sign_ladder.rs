@@ -13,61 +13,14 @@ use crate::predicate::{LARGEST_DEGREE, Polynomial, SLOTS};
 use crate::unit_bounds::{UnitBounds, unit_bounds_for};
 use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
-use rockproof_model::decision::{Decision, Side};
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Contact, ContactKey, Criteria, EdgeId, Sign, ToleranceSet, VertexId};
+use rockproof_model::{Sign, ToleranceSet};
 use std::cell::OnceCell;
 
-/// Sees every decision, and may depart from it; [`Unobserved`] compiles to nothing.
-pub(crate) trait Observer {
-    /// Whether anything is recorded at all.
-    const ACTIVE: bool;
-    /// A decision begins; the signs that follow belong to it.
-    fn begin(&mut self, decision: &Decision);
-    /// A sign was decided for the decision begun last; `margin` works out how close it is to zero: [`crate::Margin::relative`].
-    fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64);
-    /// The decision has this outcome.
-    fn end(&mut self, decision: &Decision, outcome: i8);
-
-    /// What the classification takes a sign of the decision under way for: what it is, but for a [`crate::Departure`].
-    fn taken(&self, sign: Sign) -> Sign {
-        sign
-    }
-
-    /// What it takes the answer to a decision for, likewise.
-    fn answered(&self, _decision: &Decision, yes: bool) -> bool {
-        yes
-    }
-
-    /// What it takes the sign that a decision comes to for, likewise.
-    fn signed(&self, _decision: &Decision, sign: Sign) -> Sign {
-        sign
-    }
-
-    /// Whether it leaves a contact out, likewise.
-    fn leaves_out(&self, _contact: &Contact) -> bool {
-        false
-    }
-}
-
-/// Records nothing.
-pub(crate) struct Unobserved;
-
-impl Observer for Unobserved {
-    const ACTIVE: bool = false;
-    fn begin(&mut self, _decision: &Decision) {}
-    fn sign(&mut self, _sign: Sign, _margin: &mut dyn FnMut() -> f64) {}
-    fn end(&mut self, _decision: &Decision, _outcome: i8) {}
-}
-
-/// One classification under way: a pair, a tolerance set, and what has been found out about their magnitudes.
-pub(crate) struct Classification<'p, 's, O> {
+/// Signs of polynomials of one pair under one tolerance set, and what has been found out about their magnitudes.
+pub(crate) struct SignLadder<'p, 's> {
     pub(crate) pair: &'p Pair<'s>,
     pub(crate) tolerances: &'p ToleranceSet,
-    pub(crate) classic: bool,
-    /// The contacts that the step before left closed.
-    pub(crate) kept: &'p [ContactKey],
-    pub(crate) observer: O,
     pub(crate) levels: LevelCounts,
     floats: Scales<Approx>,
     unit_bounds: &'static UnitBounds,
@@ -117,16 +70,13 @@ impl ScalesCache {
     }
 }
 
-impl<'p, 's, O: Observer> Classification<'p, 's, O> {
-    pub(crate) fn new(pair: &'p Pair<'s>, tolerances: &'p ToleranceSet, observer: O) -> Self {
+impl<'p, 's> SignLadder<'p, 's> {
+    pub(crate) fn new(pair: &'p Pair<'s>, tolerances: &'p ToleranceSet) -> Self {
         let floats = Scales::approximate(tolerances);
         let (unit_bounds, size_powers) = unit_bounds_for(pair, &floats);
-        Classification {
+        SignLadder {
             pair,
             tolerances,
-            classic: tolerances.criteria == Criteria::Classic,
-            kept: &[],
-            observer,
             levels: LevelCounts::default(),
             floats,
             unit_bounds,
@@ -136,83 +86,14 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         }
     }
 
-    /// The same with contacts kept from the step before.
-    pub(crate) fn keeping(self, kept: &'p [ContactKey]) -> Self {
-        Classification { kept, ..self }
-    }
-
-    /// Whether the step before left this contact closed: then it may be deeper than g.
-    #[inline(always)]
-    pub(crate) fn is_kept(&self, contact: ContactKey) -> bool {
-        self.kept.contains(&contact)
-    }
-
-    /// Makes one decision: everything `decide` asks the sign of belongs to it.
-    #[inline(always)]
-    pub(crate) fn decide(&mut self, decision: impl Fn() -> Decision, decide: impl FnOnce(&mut Self) -> bool) -> bool {
-        if !O::ACTIVE {
-            return decide(self);
-        }
-        let decision = decision();
-        self.observer.begin(&decision);
-        let yes = decide(self);
-        let yes = self.observer.answered(&decision, yes);
-        self.observer.end(&decision, i8::from(yes));
-        yes
-    }
-
-    /// The same for a decision with three outcomes.
-    #[inline(always)]
-    pub(crate) fn decide_sign(
-        &mut self,
-        decision: impl Fn() -> Decision,
-        decide: impl FnOnce(&mut Self) -> Sign,
-    ) -> Sign {
-        if !O::ACTIVE {
-            return decide(self);
-        }
-        let decision = decision();
-        self.observer.begin(&decision);
-        let sign = decide(self);
-        let sign = self.observer.signed(&decision, sign);
-        self.observer.end(&decision, sign.as_i8());
-        sign
-    }
-
-    /// The exact sign of a polynomial.
-    #[inline(always)]
-    pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
-        let sign = self.quick_sign(polynomial);
-        if !O::ACTIVE {
-            return sign;
-        }
-        // Of a zero the margin is known.
-        self.observed(sign, |margins| if sign.is_zero() { 0.0 } else { margins.of(polynomial).1 })
-    }
-
-    /// The same for a sign that the observer does not see, since by itself it says nothing about the decision.
-    #[inline(always)]
-    pub(crate) fn unobserved_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
-        self.quick_sign(polynomial)
-    }
-
-    /// What a sign that the decision under way rests on is taken for, once the observer has seen it and may have asked for
-    /// its margin: 0 where it is zero, at most 1.
-    pub(crate) fn observed(&mut self, sign: Sign, margin: impl Fn(&Margins<'_, '_>) -> f64) -> Sign {
-        let (pair, tolerances) = (self.pair, self.tolerances);
-        let careful_stages = &self.careful_stages;
-        self.observer.sign(sign, &mut || {
-            let scales = &careful_stages.get_or_init(Box::default).scales;
-            margin(&Margins { pair, tolerances, scales })
-        });
-        self.observer.taken(sign)
-    }
-
     /// How close polynomials are to zero.
-    #[cfg(test)]
     pub(crate) fn margins(&self) -> Margins<'_, 's> {
-        let scales = &self.careful_stages.get_or_init(Box::default).scales;
-        Margins { pair: self.pair, tolerances: self.tolerances, scales }
+        Margins { pair: self.pair, tolerances: self.tolerances, scales: self.exact_scales() }
+    }
+
+    /// The tolerances as the levels beyond balls need them.
+    fn exact_scales(&self) -> &ScalesCache {
+        &self.careful_stages.get_or_init(Box::default).scales
     }
 
     /// The pair in f64.
@@ -228,8 +109,9 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         self.unit_bounds.get(P::FIRST_SLOT + variant) * self.size_powers[P::DEGREE]
     }
 
+    /// The exact sign of a polynomial.
     #[inline(always)]
-    fn quick_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+    pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
         let value = polynomial.value(&self.float_view()).0;
         let bound = self.bound_of::<P>(polynomial.variant());
         if value > bound {
@@ -314,8 +196,7 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
 
     /// The sign in integers of the least width that holds every intermediate value.
     pub(crate) fn exact_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
-        let cache = &self.careful_stages.get_or_init(Box::default).scales;
-        let bits = cache.bits_of(polynomial, self.pair, self.tolerances);
+        let bits = self.exact_scales().bits_of(polynomial, self.pair, self.tolerances);
         self.sign_of_bits(polynomial, bits)
     }
 
@@ -353,15 +234,6 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
                 integer_sign(polynomial, pair.heap(), scales)
             }
         }
-    }
-
-    /// Whether a feature is convex, as decided when the block was loaded.
-    pub(crate) fn vertex_is_convex(&self, side: Side, vertex: VertexId) -> bool {
-        self.pair.solid(side).block.vertex_is_convex(vertex)
-    }
-
-    pub(crate) fn edge_is_convex(&self, side: Side, edge: EdgeId) -> bool {
-        self.pair.solid(side).block.edge_is_convex(edge)
     }
 }
 

@@ -8,7 +8,7 @@ use crate::number::{Approx, Ball, Bits, Bound, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
 use crate::predicate::*;
 use crate::prepared_block::PreparedBlock;
-use crate::sign_ladder::{Classification, Unobserved};
+use crate::sign_ladder::SignLadder;
 use crate::unit_bounds::unit_bounds_for;
 use crate::view::{BallView, BitsView, BoundView, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
@@ -191,7 +191,7 @@ struct Seen {
 
 struct Checker<'p, 's> {
     pair: &'p Pair<'s>,
-    run: Classification<'p, 's, Unobserved>,
+    run: SignLadder<'p, 's>,
     tolerances: &'p ToleranceSet,
     seen: &'p mut BTreeMap<usize, Seen>,
     /// What a slot holds for a pair: one bound, asked of whichever polynomial comes first.
@@ -432,7 +432,7 @@ fn prove_no_wrong_sign(rounds: usize) {
         let about = format!("round {round}, {input:?}");
         levels += Checker {
             pair: &pair,
-            run: Classification::new(&pair, &t, Unobserved),
+            run: SignLadder::new(&pair, &t),
             tolerances: &t,
             seen: &mut seen,
             pair_bounds: BTreeMap::new(),

@@ -1,7 +1,7 @@
 //! Every decision of a classification, with ties and margins: for comparing with an engine and for explaining.
 
+use crate::classification::{Classification, Observer};
 use crate::pair::Pair;
-use crate::sign_ladder::{Classification, Observer};
 use foldhash::fast::FixedState;
 use rockproof_model::decision::Decision;
 use rockproof_model::{ContactKey, Sign, ToleranceSet};
@@ -40,9 +40,10 @@ impl Pair<'_> {
 
     /// All decisions of [`Pair::classify_keeping`], likewise.
     pub fn trace_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<TraceEntry> {
-        let mut run = Classification::new(self, tolerances, Recorder::default()).keeping(kept);
-        run.classify();
-        let mut entries = run.observer.entries;
+        let mut recorder = Recorder::default();
+        let observer: &mut dyn Observer = &mut recorder;
+        Classification::new(self, tolerances, observer).keeping(kept).classify();
+        let mut entries = recorder.entries;
         let mut seen = HashSet::with_capacity_and_hasher(entries.len(), FixedState::default());
         entries.retain(|entry| seen.insert(entry.decision));
         entries
@@ -61,10 +62,10 @@ impl Pair<'_> {
         kept: &[ContactKey],
         decisions: &[Decision],
     ) -> Vec<Option<Margin>> {
-        let measure = Measure { wanted: decisions, margins: vec![None; decisions.len()], measuring: None };
-        let mut run = Classification::new(self, tolerances, measure).keeping(kept);
-        run.classify();
-        run.observer.margins
+        let mut measure = Measure { wanted: decisions, margins: vec![None; decisions.len()], measuring: None };
+        let observer: &mut dyn Observer = &mut measure;
+        Classification::new(self, tolerances, observer).keeping(kept).classify();
+        measure.margins
     }
 }
 
@@ -76,18 +77,23 @@ struct Recorder {
 }
 
 impl Observer for Recorder {
-    const ACTIVE: bool = true;
-
     fn begin(&mut self, _decision: &Decision) {
         self.tie = false;
     }
 
-    fn sign(&mut self, sign: Sign, _margin: &mut dyn FnMut() -> f64) {
+    fn sign(&mut self, sign: Sign, _margin: &mut dyn FnMut() -> f64) -> Sign {
         self.tie |= sign.is_zero();
+        sign
     }
 
-    fn end(&mut self, decision: &Decision, outcome: i8) {
-        self.entries.push(TraceEntry { decision: *decision, outcome, tie: self.tie });
+    fn end(&mut self, decision: &Decision, yes: bool) -> bool {
+        self.entries.push(TraceEntry { decision: *decision, outcome: i8::from(yes), tie: self.tie });
+        yes
+    }
+
+    fn end_with_sign(&mut self, decision: &Decision, sign: Sign) -> Sign {
+        self.entries.push(TraceEntry { decision: *decision, outcome: sign.as_i8(), tie: self.tie });
+        sign
     }
 }
 
@@ -100,22 +106,27 @@ struct Measure<'d> {
 }
 
 impl Observer for Measure<'_> {
-    const ACTIVE: bool = true;
-
     fn begin(&mut self, decision: &Decision) {
         self.measuring = self.wanted.iter().position(|wanted| wanted == decision);
     }
 
-    fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64) {
+    fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64) -> Sign {
         if let Some(at) = self.measuring {
             let relative = margin();
             if self.margins[at].is_none_or(|nearest| relative < nearest.relative) {
                 self.margins[at] = Some(Margin { sign, relative });
             }
         }
+        sign
     }
 
-    fn end(&mut self, _decision: &Decision, _outcome: i8) {
+    fn end(&mut self, _decision: &Decision, yes: bool) -> bool {
         self.measuring = None;
+        yes
+    }
+
+    fn end_with_sign(&mut self, _decision: &Decision, sign: Sign) -> Sign {
+        self.measuring = None;
+        sign
     }
 }

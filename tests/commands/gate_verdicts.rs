@@ -1,7 +1,7 @@
 //! A gate passes only where something was checked and could have failed: external engines that answer, limits that concern what takes part.
 
 use crate::engines::client;
-use crate::gates::{around, gate};
+use crate::gates::{Ran, around, gate};
 use std::path::Path;
 
 /// An engine that says the same to every question.
@@ -112,10 +112,17 @@ fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
         let (code, said) = own(dir.path(), sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));
         assert!(code == 2 && said.contains("gate.toml line 7: the limit ") && said.contains(why), "{limit}: {said}");
     }
-    let (code, said) = own(dir.path(), sliver, "[[limit]]\ncause = \"engine\"\ncount = 0\n");
-    assert!(code == 1 && said.contains("only findings about external engines have this cause"), "{said}");
-    assert!(said.contains("every check was skipped, for the reasons given, so nothing was checked"), "{said}");
-    assert!(said.contains("gate failed: 0 passed, 1 skipped, 1 failed"), "{said}");
+    let of_engines = format!("corpus = []\n[campaign]\n{sliver}[[limit]]\ncause = \"engine\"\ncount = 0\n");
+    let Ran { code, out, err } = gate(dir.path(), &of_engines, &[], true);
+    assert!(code == 1 && out.contains("only findings about external engines have this cause"), "{out}{err}");
+    let why = "every check was skipped, for the reasons given, so nothing was checked";
+    assert!(out.contains("gate failed: 0 passed, 1 skipped, 1 failed"), "{out}");
+    let annotated = |line: &str| line.starts_with("::error file=gate.toml,line=1,") && line.contains(why);
+    assert!(out.lines().any(annotated), "an annotation says so: {out}");
+    for file in ["junit.xml", "summary.md"] {
+        let text = std::fs::read_to_string(dir.path().join(file)).expect(file);
+        assert!(text.contains("the gate checks something") && text.contains(why), "{file}: {text}");
+    }
     // One batch is of one family.
     let few = "pairs = 16\nfamilies = [\"sliver\", \"face_stack\"]\n";
     let limits = "[[limit]]\nfamily = \"sliver\"\ncount = 0\n[[limit]]\ncause = \"defect\"\ncount = 0\n";

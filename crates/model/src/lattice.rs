@@ -4,7 +4,7 @@
 //! factor changes no sign. The factor chosen here makes every one of them an integer; on that lattice exact arithmetic
 //! needs integers only.
 
-use crate::number::{Number, odd_and_twos, split_f64};
+use crate::number::{Number, split_f64};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_traits::{One, ToPrimitive};
@@ -53,7 +53,7 @@ impl Lattice {
         let mut parts = Vec::new();
         let (mut exponent, mut odd) = (i32::MIN, 1u64);
         for number in numbers {
-            let (p, m, k) = few_digits(number)?;
+            let (p, m, k) = number.small_fraction()?;
             if p != 0 {
                 exponent = exponent.max(-k);
             }
@@ -150,17 +150,6 @@ fn binary_units<'a>(numbers: impl Iterator<Item = &'a Number> + Clone, bits: u32
         units.push(i128::from(significand) << shift.min(126));
     }
     Some((Lattice { exponent: -lowest, odd: BigInt::one(), small_odd: Some(1) }, units))
-}
-
-/// A number as p/m · 2^k with odd m; `None` where p or m has many digits.
-fn few_digits(number: &Number) -> Option<(i128, u64, i32)> {
-    if let Some(value) = number.as_f64() {
-        let (significand, exponent) = split_f64(value);
-        return Some((i128::from(significand), 1, exponent));
-    }
-    let ratio = number.as_ratio()?;
-    let (odd, twos) = odd_and_twos(ratio.denom())?;
-    Some((ratio.numer().to_i128()?, odd, -(twos as i32)))
 }
 
 #[cfg(test)]

@@ -187,6 +187,20 @@ impl Number {
         }
     }
 
+    /// The value as p/m · 2^k with odd m; `None` where p or m has many digits.
+    pub fn small_fraction(&self) -> Option<(i128, u64, i32)> {
+        match &self.0 {
+            NumberForm::Float(value) => {
+                let (significand, exponent) = split_f64(*value);
+                Some((i128::from(significand), 1, exponent))
+            }
+            NumberForm::Ratio(value) => {
+                let (odd, twos) = odd_and_twos(value.denom())?;
+                Some((value.numer().to_i128()?, odd, -(twos as i32)))
+            }
+        }
+    }
+
     /// The nearest value of the precision, ties to even, or `None` if that overflows.
     pub fn rounded(&self, precision: Precision) -> Option<f64> {
         match (&self.0, precision) {
@@ -360,7 +374,7 @@ pub fn exact_log2(integer: &BigInt) -> Option<u64> {
 }
 
 /// The p and k of a positive integer `p · 2^k` with odd p, where few digits hold it.
-pub fn odd_and_twos(integer: &BigInt) -> Option<(u64, u32)> {
+fn odd_and_twos(integer: &BigInt) -> Option<(u64, u32)> {
     let value = integer.to_u128()?;
     let twos = value.trailing_zeros();
     Some((u64::try_from(value.checked_shr(twos)?).ok()?, twos))

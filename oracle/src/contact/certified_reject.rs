@@ -6,11 +6,11 @@
 //! those hold for them.
 
 use super::vertex_face;
+use crate::classification::{Classification, Observer};
 use crate::number::Approx;
 use crate::predicate::{
     AbovePlane, BoxesMeet, CommonFoot, GapWithin, LengthTolerance, Polynomial, edges_plane, plane_value,
 };
-use crate::sign_ladder::{Classification, Observer};
 use crate::view::View;
 use rockproof_model::decision::Side;
 use rockproof_model::{ContactKey, EdgeId, EntranceKind, FaceId, Ring, VertexId};
@@ -19,7 +19,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether a vertex is certainly too far above a face's plane, or too deep below (where the contact is not kept).
     #[inline(always)]
     pub(crate) fn vertex_face_certainly_fails(&mut self, vertex: (Side, VertexId), face: (Side, FaceId)) -> bool {
-        if O::ACTIVE {
+        if O::is_active() {
             return false;
         }
         let kind = match vertex.0 {
@@ -38,7 +38,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         };
         let fails = self.surely_beyond(kind, limit, height, size)
             && !(limit == LengthTolerance::Penetration && self.is_kept(vertex_face::contact_of(vertex, face)));
-        self.levels.float += 2 * u64::from(fails);
+        self.ladder.levels.float += 2 * u64::from(fails);
         fails
     }
 
@@ -46,7 +46,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// either way (where the contact is not kept).
     #[inline(always)]
     pub(crate) fn edges_certainly_fail(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> bool {
-        if O::ACTIVE {
+        if O::is_active() {
             return false;
         }
         let outside = |on, from_end| self.surely_negative(&CommonFoot { edge_a, edge_b, on, from_end });
@@ -58,21 +58,21 @@ impl<O: Observer> Classification<'_, '_, O> {
                     && beyond(LengthTolerance::Penetration)
                     && !self.is_kept(ContactKey::EdgeEdge(edge_a, edge_b))
             };
-        self.levels.float += u64::from(fails);
+        self.ladder.levels.float += u64::from(fails);
         fails
     }
 
     /// Whether the boxes, A's grown by s, certainly meet.
     #[inline(always)]
     pub(crate) fn surely_neighbours(&mut self) -> bool {
-        if O::ACTIVE {
+        if O::is_active() {
             return false;
         }
         let (a, b, search) = (self.pair.a, self.pair.b, self.float_view().scales().search.0);
         let bound = self.bound_of::<BoxesMeet>(0);
         let meet = (0..3)
             .all(|k| search - (b.box_min[k] - a.box_max[k]) > bound && search - (a.box_min[k] - b.box_max[k]) > bound);
-        self.levels.float += 6 * u64::from(meet);
+        self.ladder.levels.float += 6 * u64::from(meet);
         meet
     }
 

@@ -3,10 +3,10 @@
 use super::entrance::Candidate;
 use super::exit::ExitCandidate;
 use super::reach::Reach;
+use crate::classification::{Classification, Observer, Unobserved};
 use crate::levels::LevelCounts;
 use crate::pair::Pair;
 use crate::predicate::{BoxesMeet, Vertex};
-use crate::sign_ladder::{Classification, Observer, Unobserved};
 use rockproof_model::decision::{Decision, Predicate, Side};
 use rockproof_model::{Contact, ContactKey, FaceId, ToleranceSet};
 
@@ -32,7 +32,7 @@ impl Pair<'_> {
     pub fn classify_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Answer {
         let mut run = Classification::new(self, tolerances, Unobserved).keeping(kept);
         let contacts = run.classify();
-        Answer { contacts, levels: run.levels }
+        Answer { contacts, levels: run.ladder.levels }
     }
 
     /// Whether the pair passes the rough phase: A's box grown by s meets B's; **touching says yes**.
@@ -55,7 +55,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         self.vertex_face_contacts(Side::A, &a, &mut found);
         self.vertex_face_contacts(Side::B, &b, &mut found);
         self.edge_edge_contacts(&a, &b, distance, &mut found);
-        if O::ACTIVE {
+        if O::is_active() {
             found.retain(|f| !self.observer.leaves_out(&f.contact));
         }
         found.sort_unstable_by_key(|f| f.contact);

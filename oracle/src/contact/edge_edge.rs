@@ -2,8 +2,8 @@
 
 use super::entrance::Candidate;
 use super::no_overlap::about_edges;
+use crate::classification::{Classification, Observer};
 use crate::predicate::{CommonFoot, LengthTolerance};
-use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Predicate, Side};
 use rockproof_model::{ContactKey, EdgeId};
 

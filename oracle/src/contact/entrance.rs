@@ -2,8 +2,8 @@
 //! (SPEC section 4, "Entrance").
 
 use super::no_overlap::Passes;
+use crate::classification::{Classification, Observer};
 use crate::predicate::{AbovePlane, Edge, EdgesApart, Factor, GapWithin, LargerGap, LengthTolerance, Vertex};
-use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{ContactKey, EdgeId, Entrance, FaceId, Sign};
 use smallvec::SmallVec;
@@ -77,7 +77,7 @@ impl<O: Observer> Classification<'_, '_, O> {
 
     /// Leaves the true exits among several planes, or all if none is one.
     pub(crate) fn prefer_true_exits(&mut self, candidates: &mut Candidates) {
-        if self.classic || (!O::ACTIVE && candidates.iter().all(|c| !c.may_dip)) {
+        if self.classic || (!O::is_active() && candidates.iter().all(|c| !c.may_dip)) {
             return;
         }
         let exits: SmallVec<[bool; 24]> = candidates.iter().map(|candidate| self.is_true_exit(candidate)).collect();
@@ -111,7 +111,7 @@ impl<O: Observer> Classification<'_, '_, O> {
             });
             if ties {
                 chosen = Some(*candidate);
-                if !O::ACTIVE {
+                if !O::is_active() {
                     break;
                 }
             }

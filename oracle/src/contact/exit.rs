@@ -1,8 +1,8 @@
 //! Which contacts of overlapping blocks stay: shortest exit (test 3) and one exit (test 5).
 
 use super::entrance::{Candidate, Candidates};
+use crate::classification::{Classification, Observer};
 use crate::predicate::{NormalsAgree, NormalsWithin};
-use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Contact, EdgeId, FaceId, VertexId};
 
@@ -86,7 +86,7 @@ impl<O: Observer> Classification<'_, '_, O> {
                 || Decision::about(Predicate::OneExit, &f.contact.key.features()),
                 |run| {
                     // Whether a contact stays rests on which way out was chosen, too: its record holds how near that choice was.
-                    if O::ACTIVE {
+                    if O::is_active() {
                         for other in candidates[..best].iter().chain(&candidates[best + 1..]) {
                             run.equals_best(other, &candidates[best]);
                         }

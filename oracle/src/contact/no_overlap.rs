@@ -2,11 +2,11 @@
 //! section 4, "Building blocks").
 
 use super::entrance::Candidate;
+use crate::classification::{Classification, Observer};
 use crate::predicate::{
     DipLimit, Edge, EdgeAbovePlane, EdgeDipAngle, EdgeDipDepth, Face, InwardAcross, Orientation, ParallelAngle,
     ParallelReach, Vertex, WedgeDipAngle, WedgeDipDepth,
 };
-use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{EdgeId, Entrance, Sign};
 
@@ -132,7 +132,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether a plane that passed is a true exit: what dips below it does so by at most r/10; **a tie says yes**. Asked under
     /// revised alone: under classic whatever passes is one.
     pub(crate) fn is_true_exit(&mut self, candidate: &Candidate) -> bool {
-        if !O::ACTIVE && !candidate.may_dip {
+        if !O::is_active() && !candidate.may_dip {
             return true;
         }
         let entrance = candidate.entrance;

@@ -7,8 +7,8 @@
 //!
 //! A v-f or e-e contact that is kept may be deeper than g, and so out of this reach: those are looked at by name.
 
+use crate::classification::{Classification, Observer};
 use crate::prepared_block::{PreparedBlock, PreparedEdge};
-use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::Side;
 use rockproof_model::{ContactKey, EdgeId, VertexId};
 use smallvec::SmallVec;
@@ -146,8 +146,8 @@ fn point(solid: &PreparedBlock, vertex: VertexId) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::classification::Unobserved;
     use crate::pair::Pair;
-    use crate::sign_ladder::Unobserved;
     use crate::soundness::without_tolerances;
     use rockproof_model::{Block, FaceId, Number, Vec3};
 

@@ -1,7 +1,7 @@
 //! Territories: the zones around vertices and edges that belong to them (SPEC section 4, "Territory radius").
 
+use crate::classification::{Classification, Observer};
 use crate::predicate::{Edge, FootAlong, LengthTolerance, Near, NearForEdge, NearLine, NearLineForHeight, Vertex};
-use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::VertexId;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 

@@ -2,8 +2,8 @@
 
 use super::entrance::{Candidate, Candidates, faces_of};
 use super::territory::about_vertex_edge;
+use crate::classification::{Classification, Observer};
 use crate::predicate::{Edge, FootBeyondVertex, InwardOf, LengthTolerance, NearLine, Vertex};
-use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::ContactKey;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 

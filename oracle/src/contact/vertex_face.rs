@@ -1,8 +1,9 @@
 //! Test 3: v-f, and f-v with the roles exchanged.
 
 use super::entrance::Candidate;
+use crate::classification::{Classification, Observer};
 use crate::predicate::{Face, InwardOf, LengthTolerance, NormalComponent, PolygonHeight, Vertex};
-use crate::sign_ladder::{Classification, Margins, Observer};
+use crate::sign_ladder::Margins;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{ContactKey, EdgeId, Sign, Topology};
 
@@ -56,12 +57,12 @@ impl<O: Observer> Classification<'_, '_, O> {
                     run.side_of_boundary(vertex, face)
                 } else if run.inside_all_edges(vertex, face) {
                     Sign::Positive
-                } else if O::ACTIVE && run.side_of_boundary(vertex, face).is_zero() {
+                } else if O::is_active() && run.side_of_boundary(vertex, face).is_zero() {
                     Sign::Zero
                 } else {
                     Sign::Negative
                 };
-                if !O::ACTIVE {
+                if !O::is_active() {
                     return side.is_positive();
                 }
                 let topology = run.pair.topology(face.0);

@@ -1,8 +1,8 @@
 //! Test 1: v-v.
 
 use super::entrance::{Candidate, Candidates};
+use crate::classification::{Classification, Observer};
 use crate::predicate::{BeyondVertex, LengthTolerance, Near, Vertex};
-use crate::sign_ladder::{Classification, Observer};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{ContactKey, VertexId};
 

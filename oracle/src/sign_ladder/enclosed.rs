@@ -4,7 +4,7 @@
 //! size is known by its residue modulo 2^(k+1), and that is the polynomial of the residues of coordinates and tolerances. So integers of
 //! k + 1 bits that wrap around suffice, where f64 has cancelled most of the bits that intermediate values have.
 
-use super::{Classification, Observer, ScalesCache};
+use super::{ScalesCache, SignLadder};
 use crate::field::DoubleBall;
 use crate::number::{Ball, Bits};
 use crate::pair::Pair;
@@ -33,24 +33,24 @@ impl ScalesCache {
     }
 }
 
-impl<O: Observer> Classification<'_, '_, O> {
+impl SignLadder<'_, '_> {
     /// The bits that a polynomial's value on the lattice has at most, if this ball encloses that in metres; `None` where f64 cannot
     /// tell.
     pub(crate) fn bits_of_ball<P: Polynomial>(&self, ball: Ball) -> Option<Bits> {
-        let cache = &self.careful_stages.get_or_init(Box::default).scales;
+        let cache = self.exact_scales();
         bits_within(ball.size(), cache.bits_per_metre::<P>(self.pair, self.tolerances))
     }
 
     /// The value in balls of two f64.
     pub(crate) fn double_ball<P: Polynomial>(&self, polynomial: &P) -> DoubleBall {
         let (pair, tolerances) = (self.pair, self.tolerances);
-        let cache = &self.careful_stages.get_or_init(Box::default).scales;
+        let cache = self.exact_scales();
         let make = || cache.exact(pair, tolerances).double(pair.grid().bits);
         let scales = LazyScales { made: &cache.double, make: &make };
         polynomial.value(&ExactView { geometry: pair.double(), scales })
     }
 
-    /// The bits that a polynomial's value on the lattice has at most, if this is its [`Classification::double_ball`].
+    /// The bits that a polynomial's value on the lattice has at most, if this is its [`SignLadder::double_ball`].
     pub(crate) fn bits_of_double<P: Polynomial>(&self, ball: &DoubleBall) -> Option<Bits> {
         bits_within(ball.size(), P::DEGREE as i64 * i64::from(self.pair.grid().bits.0))
     }
@@ -68,7 +68,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         if !(across.iter().all(|ball| held(ball, degree)) && held(&along[k], degree - 1)) {
             return false;
         }
-        let cache = &self.careful_stages.get_or_init(Box::default).scales;
+        let cache = self.exact_scales();
         let scales = LazyScales { made: &cache.int256, make: &|| cache.exact(pair, tolerances).converted() };
         let (across, along) = gaps.values(&ExactView { geometry: pair.int256(), scales });
         across.iter().chain([&along[k]]).all(|value| value.sign().is_zero())

@@ -9,7 +9,7 @@ use crate::number::Ball;
 use crate::pair::Pair;
 use crate::predicate::{Polynomial, SLOTS};
 use crate::prepared_block::PreparedBlock;
-use crate::sign_ladder::{Classification, Unobserved};
+use crate::sign_ladder::SignLadder;
 use crate::view::{BallView, ExactBlock, ExactPair, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
 use num_integer::Integer;
@@ -198,7 +198,7 @@ impl Solver<'_> {
         let bits = bits_of(&pair, &t, p);
         assert_eq!(in_integers::<P, BigInt>(&pair, &t, p), exact, "integers on the heap, slot {slot}, {about}");
         check_widths(&pair, &t, p, bits, exact, &about);
-        let mut run = Classification::new(&pair, &t, Unobserved);
+        let mut run = SignLadder::new(&pair, &t);
         assert_eq!(run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
         let mut expected = [0; LEVELS];
         expected[level_of(bits.0)] = 1;
