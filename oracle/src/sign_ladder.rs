@@ -9,8 +9,8 @@ use crate::field::{DoubleBall, Field};
 use crate::levels::LevelCounts;
 use crate::number::{Approx, Ball, Bits, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
-use crate::predicate::{LARGEST_DEGREE, Polynomial, SLOTS};
-use crate::unit_bounds::{UnitBounds, unit_bounds_for};
+use crate::predicate::{Polynomial, SLOTS};
+use crate::unit_bounds::{SizePowers, UnitBounds, unit_bounds_for};
 use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
 use rockproof_model::decision::{Decision, Side};
@@ -69,9 +69,11 @@ pub(crate) struct Classification<'p, 's, O> {
     pub(crate) kept: &'p [ContactKey],
     pub(crate) observer: O,
     pub(crate) levels: LevelCounts,
+    /// What is farther apart is not in one another's territory, slack included; infinite until it is known.
+    pub(crate) territory_reach: f64,
     floats: Scales<Approx>,
     unit_bounds: &'static UnitBounds,
-    size_powers: [f64; LARGEST_DEGREE + 1],
+    size_powers: SizePowers,
     balls: OnceCell<Scales<Ball>>,
     careful_stages: OnceCell<Box<CarefulStages<'p>>>,
 }
@@ -128,6 +130,7 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
             kept: &[],
             observer,
             levels: LevelCounts::default(),
+            territory_reach: f64::INFINITY,
             floats,
             unit_bounds,
             size_powers,
@@ -225,7 +228,7 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     /// that no comparison with it holds.
     #[inline(always)]
     pub(crate) fn bound_of<P: Polynomial>(&self, variant: usize) -> f64 {
-        self.unit_bounds.get(P::FIRST_SLOT + variant) * self.size_powers[P::DEGREE]
+        self.unit_bounds.get(P::FIRST_SLOT + variant) * self.size_powers.of::<P>()
     }
 
     #[inline(always)]
@@ -254,13 +257,13 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
             let view = BoundView::of_unit_size(pair.a, pair.b, longest_loop, coordinate);
             let bound = polynomial.value(&view).error * INFLATION;
             self.unit_bounds.set(slot, bound);
-            if value.abs() > bound * self.size_powers[P::DEGREE] {
+            if value.abs() > bound * self.size_powers.of::<P>() {
                 self.levels.float += 1;
                 return if value > 0.0 { Sign::Positive } else { Sign::Negative };
             }
         }
         // Where no unit bound applies, those of this very pair do. Otherwise a ball is as cheap, and sharper.
-        if self.size_powers[0] > 1.0 {
+        if !self.size_powers.apply() {
             self.careful_stages.get_or_init(Box::default);
             if let Some(careful_stages) = self.careful_stages.get_mut() {
                 if careful_stages.bounds[slot].is_nan() {

@@ -9,6 +9,7 @@ use crate::predicate::{BoxesMeet, Vertex};
 use crate::sign_ladder::{Classification, Observer, Unobserved};
 use rockproof_model::decision::{Decision, Predicate, Side};
 use rockproof_model::{Contact, ContactKey, FaceId, ToleranceSet};
+use smallvec::SmallVec;
 
 /// What the oracle says of a pair.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,6 +56,11 @@ impl<O: Observer> Classification<'_, '_, O> {
         self.vertex_face_contacts(Side::A, &a, &mut found);
         self.vertex_face_contacts(Side::B, &b, &mut found);
         self.edge_edge_contacts(&a, &b, distance, &mut found);
+        self.finish(found)
+    }
+
+    /// What stays of the contacts found, in the order of SPEC.
+    fn finish(&mut self, mut found: Vec<ExitCandidate>) -> Vec<Contact> {
         if O::ACTIVE {
             found.retain(|f| !self.observer.leaves_out(&f.contact));
         }
@@ -120,31 +126,52 @@ impl<O: Observer> Classification<'_, '_, O> {
 
     /// v-f for vertices of A, f-v for vertices of B.
     fn vertex_face_contacts(&mut self, side: Side, own: &Reach, found: &mut Vec<ExitCandidate>) {
-        let both_convex = self.pair.a.block.is_convex() && self.pair.b.block.is_convex();
-        let faces = self.pair.topology(side.other());
+        let faces = self.face_rejects(side.other());
+        let solid = self.pair.solid(side);
         let beyond = self.kept_vertices_beyond(side, own);
         for &v in own.vertices.iter().chain(&beyond) {
-            let vertex: Vertex = (side, v);
-            let mut touched: Vec<(FaceId, Candidate)> = Vec::new();
-            for face in faces.face_ids() {
-                if let Some(candidate) = self.vertex_face(vertex, (side.other(), face)) {
-                    touched.push((face, candidate));
+            let at = &solid.vertices[v.index()];
+            let mut near: SmallVec<[FaceId; 8]> = SmallVec::new();
+            for reject in &faces {
+                if !self.certainly_fails(reject, at, (side, v)) {
+                    near.push(reject.face);
                 }
             }
-            if !both_convex {
-                self.keep_shortest_exit(vertex, &mut touched);
+            if !near.is_empty() {
+                self.vertex_and_faces((side, v), near.into_iter(), found);
             }
-            found.extend(touched.into_iter().map(|(face, candidate)| match side {
-                Side::A => exit_candidate(ContactKey::VertexFace(v, face), candidate),
-                Side::B => exit_candidate(ContactKey::FaceVertex(face, v), candidate),
-            }));
         }
     }
 
+    /// v-f or f-v of one vertex and these faces, ascending.
+    fn vertex_and_faces(
+        &mut self,
+        vertex: Vertex,
+        faces: impl Iterator<Item = FaceId>,
+        found: &mut Vec<ExitCandidate>,
+    ) {
+        let (side, v) = vertex;
+        let mut touched: Vec<(FaceId, Candidate)> = Vec::new();
+        for face in faces {
+            if let Some(candidate) = self.vertex_face(vertex, (side.other(), face)) {
+                touched.push((face, candidate));
+            }
+        }
+        if !(self.pair.a.block.is_convex() && self.pair.b.block.is_convex()) {
+            self.keep_shortest_exit(vertex, &mut touched);
+        }
+        found.extend(touched.into_iter().map(|(face, candidate)| match side {
+            Side::A => exit_candidate(ContactKey::VertexFace(v, face), candidate),
+            Side::B => exit_candidate(ContactKey::FaceVertex(face, v), candidate),
+        }));
+    }
+
     fn edge_edge_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<ExitCandidate>) {
+        let reject = self.edges_reject();
         for &i in &a.edges {
             for &j in &b.edges {
                 if !self.edges_out_of_reach(i, j, distance)
+                    && !self.edges_certainly_fail(&reject, i, j)
                     && let Some(candidate) = self.edge_edge(i, j)
                 {
                     found.push(exit_candidate(ContactKey::EdgeEdge(i, j), candidate));
