@@ -1,6 +1,6 @@
 //! The whole classification of a pair: rough phase, the four tests with both roles, one exit.
 
-use super::entrance::Candidate;
+use super::entrance::{Candidate, Planes};
 use super::exit::ExitCandidate;
 use super::reach::Reach;
 use crate::levels::LevelCounts;
@@ -60,7 +60,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// What stays of the contacts found, in the order of SPEC.
-    fn finish(&mut self, mut found: Vec<ExitCandidate>) -> Vec<Contact> {
+    pub(super) fn finish(&mut self, mut found: Vec<ExitCandidate>) -> Vec<Contact> {
         if O::ACTIVE {
             found.retain(|f| !self.observer.leaves_out(&f.contact));
         }
@@ -71,7 +71,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         found.into_iter().map(|f| f.contact).collect()
     }
 
-    fn neighbours(&mut self) -> bool {
+    pub(super) fn neighbours(&mut self) -> bool {
         if self.surely_neighbours() {
             return true;
         }
@@ -93,7 +93,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         for &i in &a.vertices {
             for &j in &b.vertices {
                 if !self.vertices_out_of_reach(i, j, distance)
-                    && let Some(candidate) = self.vertex_vertex(i, j)
+                    && let Some(candidate) = self.vertex_vertex(i, j, Planes::ALL)
                 {
                     found.push(exit_candidate(ContactKey::VertexVertex(i, j), candidate));
                 }
@@ -113,7 +113,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         for &v in &own.vertices {
             for &e in &other.edges {
                 if !self.vertex_out_of_reach_of_edge((side, v), e, distance)
-                    && let Some(candidate) = self.vertex_edge((side, v), (side.other(), e))
+                    && let Some(candidate) = self.vertex_edge((side, v), (side.other(), e), Planes::ALL)
                 {
                     found.push(match side {
                         Side::A => exit_candidate(ContactKey::VertexEdge(v, e), candidate),
@@ -144,7 +144,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// v-f or f-v of one vertex and these faces, ascending.
-    fn vertex_and_faces(
+    pub(super) fn vertex_and_faces(
         &mut self,
         vertex: Vertex,
         faces: impl Iterator<Item = FaceId>,
@@ -184,6 +184,6 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 }
 
-fn exit_candidate(key: ContactKey, candidate: Candidate) -> ExitCandidate {
+pub(super) fn exit_candidate(key: ContactKey, candidate: Candidate) -> ExitCandidate {
     ExitCandidate { contact: Contact { key, entrance: candidate.entrance, gap: candidate.gap }, candidate }
 }
