@@ -5,6 +5,8 @@ mod classify;
 mod edge_edge;
 mod entrance;
 mod exit;
+mod nearby;
+mod nearby_search;
 mod no_overlap;
 mod reach;
 mod territory;
@@ -13,3 +15,4 @@ mod vertex_face;
 mod vertex_vertex;
 
 pub use classify::Answer;
+pub use nearby::NearbyPairs;

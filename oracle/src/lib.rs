@@ -39,7 +39,7 @@ mod trace;
 mod unit_bounds;
 mod view;
 
-pub use contact::Answer;
+pub use contact::{Answer, NearbyPairs};
 pub use departure::Departure;
 pub use gap::Gap;
 pub use levels::LevelCounts;

@@ -11,7 +11,7 @@ mod fixed;
 mod int128;
 mod magnitude;
 
-pub(crate) use approx::Approx;
+pub(crate) use approx::{Approx, larger, smaller};
 pub(crate) use ball::{Ball, sum_is_exact};
 pub(crate) use bits::Bits;
 pub(crate) use bound::Bound;

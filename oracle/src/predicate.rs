@@ -38,6 +38,8 @@ pub(crate) trait Polynomial {
     const VARIANTS: usize;
     /// Degree in length: coordinates and length tolerances doubled make the value `2^DEGREE` times as large.
     const DEGREE: usize;
+    /// Whether it is made of vectors within one block or the other alone: then how far the blocks are apart does not make it less sure.
+    const WITHIN_BLOCKS: bool = false;
     /// Whether balls of two f64 are asked before integers: where values near zero are near-ties more often than ties, and integers long.
     const IN_DOUBLE: bool = false;
     /// What the value in lattice units is multiplied by besides, since tolerances are integers over a denominator there.

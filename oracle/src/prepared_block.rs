@@ -1,6 +1,6 @@
 //! A block made ready for the oracle: approximate vectors with proved error bounds, computed once.
 
-use crate::number::{Approx, Bound, UNDERFLOW, UNIT_ROUNDOFF};
+use crate::number::{Approx, Bound, UNDERFLOW, UNIT_ROUNDOFF, larger, smaller};
 use rockproof_model::block::face_normal;
 use rockproof_model::number::split_f64;
 use rockproof_model::topology::Edge;
@@ -65,7 +65,7 @@ impl PreparedEdge {
             inwards: [normal(edge.left).cross(&direction), normal(edge.right).cross(&direction.negated())],
             direction,
             ends: (edge.p, edge.q),
-            bounds: [std::array::from_fn(|k| p[k].min(q[k])), std::array::from_fn(|k| p[k].max(q[k]))],
+            bounds: [std::array::from_fn(|k| smaller(p[k], q[k])), std::array::from_fn(|k| larger(p[k], q[k]))],
         }
     }
 }
@@ -179,7 +179,7 @@ impl PreparedBlock {
                     let from_first = self.vertices[v.index()].minus(&self.vertices[face[0].index()]);
                     n.dot(&from_first.scaled(count).minus(centre)).0.abs()
                 })
-                .fold(0.0, f64::max);
+                .fold(0.0, larger);
             let error = self.errors.plane_value(self.errors.difference, face.len());
             let distance = (worst + error) / (count.0 * lower) * (1.0 + 1e-12);
             // Written so that NaN, too, ends as "no bound".
@@ -289,8 +289,8 @@ fn approximate_box(vertices: &[Vec3<Approx>]) -> ([f64; 3], [f64; 3]) {
     let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for v in vertices {
         for (k, c) in v.components().into_iter().enumerate() {
-            min[k] = min[k].min(c.0);
-            max[k] = max[k].max(c.0);
+            min[k] = smaller(min[k], c.0);
+            max[k] = larger(max[k], c.0);
         }
     }
     (min, max)
@@ -323,7 +323,7 @@ fn least_and_greatest<'v, T: PartialOrd + 'v>(
 }
 
 fn largest_of(values: impl Iterator<Item = f64>) -> f64 {
-    values.map(f64::abs).fold(0.0, f64::max)
+    values.map(f64::abs).fold(0.0, larger)
 }
 
 fn largest_component<'a>(vectors: impl IntoIterator<Item = &'a Vec3<Approx>>) -> f64 {

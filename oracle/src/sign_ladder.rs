@@ -9,8 +9,8 @@ use crate::field::{DoubleBall, Field};
 use crate::levels::LevelCounts;
 use crate::number::{Approx, Ball, Bits, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
-use crate::predicate::{LARGEST_DEGREE, Polynomial, SLOTS};
-use crate::unit_bounds::{UnitBounds, unit_bounds_for};
+use crate::predicate::{Polynomial, SLOTS};
+use crate::unit_bounds::{SizePowers, UnitBounds, unit_bounds_for};
 use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
 use rockproof_model::ring::ExactRing;
@@ -24,7 +24,7 @@ pub(crate) struct SignLadder<'p, 's> {
     pub(crate) levels: LevelCounts,
     floats: Scales<Approx>,
     unit_bounds: &'static UnitBounds,
-    size_powers: [f64; LARGEST_DEGREE + 1],
+    size_powers: SizePowers,
     balls: OnceCell<Scales<Ball>>,
     careful_stages: OnceCell<Box<CarefulStages<'p>>>,
 }
@@ -106,7 +106,7 @@ impl<'p, 's> SignLadder<'p, 's> {
     /// that no comparison with it holds.
     #[inline(always)]
     pub(crate) fn bound_of<P: Polynomial>(&self, variant: usize) -> f64 {
-        self.unit_bounds.get(P::FIRST_SLOT + variant) * self.size_powers[P::DEGREE]
+        self.unit_bounds.get(P::FIRST_SLOT + variant) * self.size_powers.of::<P>()
     }
 
     /// The exact sign of a polynomial.
@@ -136,13 +136,13 @@ impl<'p, 's> SignLadder<'p, 's> {
             let view = BoundView::of_unit_size(pair.a, pair.b, longest_loop, coordinate);
             let bound = polynomial.value(&view).error * INFLATION;
             self.unit_bounds.set(slot, bound);
-            if value.abs() > bound * self.size_powers[P::DEGREE] {
+            if value.abs() > bound * self.size_powers.of::<P>() {
                 self.levels.float += 1;
                 return if value > 0.0 { Sign::Positive } else { Sign::Negative };
             }
         }
         // Where no unit bound applies, those of this very pair do. Otherwise a ball is as cheap, and sharper.
-        if self.size_powers[0] > 1.0 {
+        if !self.size_powers.apply() {
             self.careful_stages.get_or_init(Box::default);
             if let Some(careful_stages) = self.careful_stages.get_mut() {
                 if careful_stages.bounds[slot].is_nan() {

@@ -279,7 +279,7 @@ impl Visitor for Checker<'_, '_> {
             p.value(&BoundView::of_unit_size(pair.a, pair.b, unit.longest_loop, unit.coordinate)).error * INFLATION;
         let known = unit.get(slot);
         assert!(known.is_nan() || known == unit_bound, "{known:e} for {unit_bound:e}, slot {slot}, {about}");
-        if let Some(sign) = certain(value, unit_bound * powers[P::DEGREE]) {
+        if let Some(sign) = certain(value, unit_bound * powers.of::<P>()) {
             assert_eq!(sign, exact, "unit bound, slot {slot}, {about}");
             seen.by_unit_bound += 1;
         }
@@ -288,7 +288,7 @@ impl Visitor for Checker<'_, '_> {
         let alike = (slot, unit.longest_loop, unit.coordinate.to_bits());
         expect_one_bound(self.unit_bounds, alike, unit_bound, slot, about);
         // What holds for all pairs of a size holds for this one.
-        let of_size = unit_bound * powers[P::DEGREE] * (1.0 + 1e-9);
+        let of_size = unit_bound * powers.of::<P>() * (1.0 + 1e-9);
         assert!(
             pair_bound <= of_size || !of_size.is_finite(),
             "{pair_bound:e} beyond {of_size:e}, slot {slot}, {about}"

@@ -8,7 +8,7 @@
 
 use crate::number::{Approx, UNIT_ROUNDOFF};
 use crate::pair::Pair;
-use crate::predicate::{LARGEST_DEGREE, SLOTS};
+use crate::predicate::{LARGEST_DEGREE, Polynomial, SLOTS};
 use crate::view::{Scales, joint_extent};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -50,27 +50,59 @@ static BOUNDS: [UnitBounds; 6] = [
     UnitBounds::new(32, ROUNDED),
 ];
 
-/// The bounds that hold for a pair of size M, and the powers of M to multiply them by: infinite where they do not apply.
-pub(crate) fn unit_bounds_for(
-    pair: &Pair<'_>,
-    scales: &Scales<Approx>,
-) -> (&'static UnitBounds, [f64; LARGEST_DEGREE + 1]) {
+/// What bounds for unit size are multiplied by: the powers of a pair's size; infinite where the bounds do not apply.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SizePowers {
+    /// Of the size of both blocks together.
+    joint: [f64; LARGEST_DEGREE + 1],
+    /// Of the size of the larger block.
+    within: [f64; LARGEST_DEGREE + 1],
+}
+
+impl SizePowers {
+    fn of_sizes(joint: f64, within: f64) -> SizePowers {
+        let mut powers = SizePowers { joint: [1.0; LARGEST_DEGREE + 1], within: [1.0; LARGEST_DEGREE + 1] };
+        for k in 1..=LARGEST_DEGREE {
+            powers.joint[k] = powers.joint[k - 1] * joint;
+            powers.within[k] = powers.within[k - 1] * within;
+        }
+        powers
+    }
+
+    /// Whether the bounds apply at all.
+    #[inline(always)]
+    pub(crate) fn apply(&self) -> bool {
+        self.joint[0] <= 1.0
+    }
+
+    /// What the bounds of a polynomial are multiplied by.
+    #[inline(always)]
+    pub(crate) fn of<P: Polynomial>(&self) -> f64 {
+        if P::WITHIN_BLOCKS { self.within[P::DEGREE] } else { self.joint[P::DEGREE] }
+    }
+}
+
+/// The bounds that hold for a pair of size M, and the powers of M to multiply them by.
+pub(crate) fn unit_bounds_for(pair: &Pair<'_>, scales: &Scales<Approx>) -> (&'static UnitBounds, SizePowers) {
     const SMALLEST: f64 = 1.0 / (1u64 << 50) as f64;
     const LARGEST: f64 = (1u64 << 50) as f64;
     let longest_loop = pair.a.longest_loop().max(pair.b.longest_loop());
     let lengths = [scales.search, scales.territory, scales.penetration].map(|l| l.0);
-    let size = lengths.into_iter().fold(joint_extent(pair.a, pair.b), f64::max) * (1.0 + 1e-12);
+    let [size, within] = [joint_extent(pair.a, pair.b), joint_extent(pair.a, pair.a).max(joint_extent(pair.b, pair.b))]
+        .map(|extent| lengths.into_iter().fold(extent, f64::max) * (1.0 + 1e-12));
     let ratios = [scales.overlap, scales.parallel, scales.equal].map(|r| r.0);
     let coordinate = pair.a.errors.coordinate.max(pair.b.errors.coordinate);
     // Half, for the roundings in this very comparison; nothing is nothing.
     let bounds = BOUNDS.iter().find(|b| longest_loop <= b.longest_loop && coordinate <= size * b.coordinate * 0.5);
     // Written so that NaN anywhere ends as "does not apply".
     let applies = bounds.is_some() && (SMALLEST..=LARGEST).contains(&size) && ratios.into_iter().all(|r| r <= 1.0);
-    let mut powers = [if applies { 1.0 } else { f64::INFINITY }; LARGEST_DEGREE + 1];
-    for k in 1..powers.len() {
-        powers[k] = powers[k - 1] * size;
+    let bounds = bounds.unwrap_or(&BOUNDS[0]);
+    if !applies {
+        let infinite = [f64::INFINITY; LARGEST_DEGREE + 1];
+        return (bounds, SizePowers { joint: infinite, within: infinite });
     }
-    (bounds.unwrap_or(&BOUNDS[0]), powers)
+    let within = if within >= SMALLEST && coordinate <= within * bounds.coordinate * 0.5 { within } else { size };
+    (bounds, SizePowers::of_sizes(size, within))
 }
 
 #[cfg(test)]
@@ -85,15 +117,24 @@ mod tests {
 
     /// What is found for a pair under tolerances of these lengths and ratios.
     fn found(blocks: &[Block; 2], lengths: [f64; 3], ratios: [f64; 3]) -> Option<([f64; 2], Vec<f64>)> {
+        let (bounds, powers) = bounds_and_powers(blocks, lengths, ratios);
+        if powers.joint.iter().all(|power| power.is_infinite()) {
+            assert!(!powers.apply() && powers.within.iter().all(|power| power.is_infinite()));
+            return None;
+        }
+        Some(([bounds.longest_loop as f64, bounds.coordinate], powers.joint.to_vec()))
+    }
+
+    fn bounds_and_powers(
+        blocks: &[Block; 2],
+        lengths: [f64; 3],
+        ratios: [f64; 3],
+    ) -> (&'static UnitBounds, SizePowers) {
         let [a, b] = [0, 1].map(|k: usize| PreparedBlock::new(&blocks[k]));
         let ([search, territory, penetration], [overlap, parallel, equal]) = (lengths.map(Approx), ratios.map(Approx));
         let (unit, whole, one) = (Approx(1.0), Approx(1.0), Approx(1.0));
         let scales = Scales { unit, search, territory, penetration, one, overlap, parallel, whole, equal };
-        let (bounds, powers) = unit_bounds_for(&Pair::new(&a, &b), &scales);
-        if powers.iter().all(|power| power.is_infinite()) {
-            return None;
-        }
-        Some(([bounds.longest_loop as f64, bounds.coordinate], powers.to_vec()))
+        unit_bounds_for(&Pair::new(&a, &b), &scales)
     }
 
     /// Two cubes of this edge side by side, the first at `x` from the origin.
@@ -148,6 +189,26 @@ mod tests {
                 assert!((exact..=exact * (1.0 + 2e-11)).contains(&power), "{power} for {size}^{degree}");
                 exact *= size;
             }
+        }
+    }
+
+    #[test]
+    fn within_blocks_the_size_is_that_of_the_larger_block() {
+        let powers = |cubes: &[Block; 2], lengths| bounds_and_powers(cubes, lengths, NO_RATIOS).1;
+        let near = |power: f64, exact: f64| (exact..=exact * (1.0 + 2e-11)).contains(&power);
+        let of_one = powers(&cubes(&whole(0), &whole(1)), NO_LENGTHS);
+        assert!(near(of_one.joint[3], 8.0) && near(of_one.within[3], 1.0), "{of_one:?}");
+        // Tolerances enter there, too.
+        let of_tolerance = powers(&cubes(&whole(0), &whole(1)), [0.0, 1.5, 0.0]);
+        assert!(near(of_tolerance.joint[3], 8.0) && near(of_tolerance.within[3], 3.375), "{of_tolerance:?}");
+        // Fractions that are held within eight sizes of the pair, but not of a block.
+        let third = BigRational::new(1.into(), 3.into());
+        for (x, held) in [(1, true), (4, false)] {
+            let of_thirds = powers(&cubes(&whole(x), &third), NO_LENGTHS);
+            assert!(
+                of_thirds.apply() && near(of_thirds.within[1], if held { 1.0 } else { 2.0 } / 3.0),
+                "at {x}: {of_thirds:?}"
+            );
         }
     }
 

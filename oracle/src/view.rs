@@ -2,7 +2,7 @@
 
 // Longer than 400 lines: one view of a pair's vectors for all number types, which must not drift apart.
 
-use crate::number::{Approx, Ball, Bits, Bound};
+use crate::number::{Approx, Ball, Bits, Bound, larger, smaller};
 use crate::prepared_block::{PreparedBlock, VectorErrors, centre_sum, subtracted};
 use foldhash::fast::FixedState;
 use rockproof_model::block::face_normal;
@@ -199,7 +199,7 @@ impl<'p> BoundView<'p> {
 
 /// The longest side of the box around both blocks.
 pub(crate) fn joint_extent(a: &PreparedBlock, b: &PreparedBlock) -> f64 {
-    (0..3).map(|k| a.box_max[k].max(b.box_max[k]) - a.box_min[k].min(b.box_min[k])).fold(0.0, f64::max)
+    (0..3).map(|k| larger(a.box_max[k], b.box_max[k]) - smaller(a.box_min[k], b.box_min[k])).fold(0.0, larger)
 }
 
 fn same_in_all<T: Copy>(component: T) -> Vec3<T> {

@@ -34,7 +34,7 @@ impl TimedPart {
 /// One way to do one part of the work.
 #[derive(Clone, Copy, Debug)]
 pub struct BenchEntry {
-    /// `f32`, `f64`, `f64 nearby`, `certified`, `plain num-rational` or `plain rug`.
+    /// `f32`, `f64`, `f64 nearby`, `certified`, `certified nearby`, `plain num-rational` or `plain rug`.
     pub engine: &'static str,
     /// How much of the work.
     pub mode: TimedPart,
@@ -55,19 +55,30 @@ pub const NEARBY: &str = "f64 nearby";
 /// The oracle's fast path.
 pub const CERTIFIED: &str = "certified";
 
+/// The same of blocks that have hardly moved since the pairs of features to look at were found; compared with [`NEARBY`].
+pub const CERTIFIED_NEARBY: &str = "certified nearby";
+
 /// Every entry; with the feature `gmp`, plain rationals of GMP as well.
 pub fn bench_entries() -> Vec<BenchEntry> {
-    let fast = |engine, mode, run| BenchEntry { engine, mode, slow: false, exact: engine == CERTIFIED, run };
+    let fast = |engine, mode, run| BenchEntry {
+        engine,
+        mode,
+        slow: false,
+        exact: engine == CERTIFIED || engine == CERTIFIED_NEARBY,
+        run,
+    };
     let slow = |engine, run| BenchEntry { engine, mode: TimedPart::Whole, slow: true, exact: true, run };
     let mut all: Vec<BenchEntry> = vec![
         fast("f32", TimedPart::Prepared, |pair| stepper(&pair.f32)),
         fast(FLOAT, TimedPart::Prepared, |pair| stepper(&pair.f64)),
         fast(NEARBY, TimedPart::Prepared, |pair| nearby(&pair.f64, pair)),
         fast(CERTIFIED, TimedPart::Prepared, |pair| certified(&pair.exact, pair)),
+        fast(CERTIFIED_NEARBY, TimedPart::Prepared, |pair| certified_nearby(&pair.exact, pair)),
         fast("f32", TimedPart::Whole, |pair| from_blocks::<f32>(pair).map_or(0, |ready| stepper(&ready))),
         fast(FLOAT, TimedPart::Whole, |pair| from_blocks::<f64>(pair).map_or(0, |ready| stepper(&ready))),
         fast(NEARBY, TimedPart::Whole, |pair| from_blocks::<f64>(pair).map_or(0, |ready| nearby(&ready, pair))),
         fast(CERTIFIED, TimedPart::Whole, |pair| certified(&solids(pair), pair)),
+        fast(CERTIFIED_NEARBY, TimedPart::Whole, |pair| certified_nearby(&solids(pair), pair)),
         fast("f32", TimedPart::Preparation, |pair| usize::from(black_box(from_blocks::<f32>(pair)).is_none())),
         fast(FLOAT, TimedPart::Preparation, |pair| usize::from(black_box(from_blocks::<f64>(pair)).is_none())),
         fast(CERTIFIED, TimedPart::Preparation, |pair| {
@@ -104,6 +115,15 @@ fn solids(pair: &PreparedPair) -> [rockproof_oracle::PreparedBlock; 2] {
 
 fn certified([a, b]: &[rockproof_oracle::PreparedBlock; 2], pair: &PreparedPair) -> usize {
     black_box(Pair::new(a, b).classify(&pair.tolerances)).contacts.len()
+}
+
+fn certified_nearby([a, b]: &[rockproof_oracle::PreparedBlock; 2], pair: &PreparedPair) -> usize {
+    let (blocks, tolerances) = (Pair::new(a, b), &pair.tolerances);
+    let answer = match &pair.exact_nearby {
+        Some(nearby) => blocks.classify_nearby(tolerances, nearby, &[]),
+        None => blocks.classify(tolerances),
+    };
+    black_box(answer).contacts.len()
 }
 
 fn plainly<Q: Rational>(pair: &PreparedPair) -> usize {

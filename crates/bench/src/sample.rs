@@ -84,6 +84,8 @@ pub struct PreparedPair {
     pub nearby: Option<NearbyPairs>,
     /// The blocks in the oracle.
     pub exact: [rockproof_oracle::PreparedBlock; 2],
+    /// The pairs of features that alone can be in a contact, exactly, while the blocks move by no more than [`nearby_margin`]; none where that is zero.
+    pub exact_nearby: Option<rockproof_oracle::NearbyPairs>,
 }
 
 impl PreparedPair {
@@ -101,7 +103,9 @@ impl PreparedPair {
         let [a, b] = &f64;
         let all = ClassificationRequest { a, b, tolerances: &rounded, kept: &[], among: None };
         let nearby = NearbyPairs::of(all, nearby_margin(rounded.search));
+        let exact_nearby = Pair::new(&exact[0], &exact[1]).nearby_pairs(&tolerances, nearby_margin(rounded.search));
         Some(PreparedPair {
+            exact_nearby,
             f32: (f32, Tolerances::new(&tolerances_f32).ok()?),
             f64: (f64, rounded),
             nearby,

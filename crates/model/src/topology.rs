@@ -343,16 +343,19 @@ impl Topology {
     }
 
     /// Edge numbers of a face: entry k joins loop vertices k and k + 1.
+    #[inline]
     pub fn face_edges(&self, face: FaceId) -> &[EdgeId] {
         self.face_edges.of(face.index())
     }
 
     /// Edges at a vertex, ascending.
+    #[inline]
     pub fn vertex_edges(&self, vertex: VertexId) -> &[EdgeId] {
         self.vertex_edges.of(vertex.index())
     }
 
     /// Faces at a vertex, ascending.
+    #[inline]
     pub fn vertex_faces(&self, vertex: VertexId) -> &[FaceId] {
         self.vertex_faces.of(vertex.index())
     }

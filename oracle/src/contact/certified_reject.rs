@@ -5,61 +5,146 @@
 //! calculated as the polynomials of [`crate::predicate`] calculate theirs, operation by operation, so that the bounds of
 //! those hold for them.
 
-use super::vertex_face;
+use super::vertex_face::contact_of;
 use crate::classification::{Classification, Observer};
 use crate::number::Approx;
 use crate::predicate::{
-    AbovePlane, BoxesMeet, CommonFoot, GapWithin, LengthTolerance, Polynomial, edges_plane, plane_value,
+    AbovePlane, BoxesMeet, CommonFoot, GapWithin, LengthTolerance, Polynomial, Vertex, edges_plane,
 };
-use crate::view::View;
+use crate::prepared_block::PreparedFace;
 use rockproof_model::decision::Side;
-use rockproof_model::{ContactKey, EdgeId, EntranceKind, FaceId, Ring, VertexId};
+use rockproof_model::{ContactKey, EdgeId, EntranceKind, FaceId, Ring, Vec3};
+use smallvec::SmallVec;
+
+/// A face with what the gap of a vertex is held against.
+pub(crate) struct FaceReject {
+    pub(crate) face: FaceId,
+    first: Vec3<Approx>,
+    normal: Vec3<Approx>,
+    centre: Vec3<Approx>,
+    count: Approx,
+    /// Heights beyond this have a sign for certain.
+    sign_bound: f64,
+    /// The square of a height that is certainly beyond s, and beyond g.
+    limits: [f64; 2],
+}
+
+/// What a vertex is in relation to a face, as far as f64 proves it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rejected {
+    /// Nothing is proved.
+    No,
+    /// Too far above.
+    Above,
+    /// Too deep below, unless the contact is kept.
+    Below,
+}
+
+impl FaceReject {
+    /// Whether a vertex is certainly too far from the face's plane.
+    #[inline(always)]
+    pub(crate) fn test(&self, vertex: &Vec3<Approx>) -> Rejected {
+        let FaceReject { first, normal, centre, count, sign_bound, limits: [search, penetration], .. } = self;
+        let height = normal.dot(&vertex.minus(first).scaled(count).minus(centre)).0;
+        let square = height * height;
+        if height > *sign_bound && square > *search {
+            Rejected::Above
+        } else if height < -*sign_bound && square > *penetration {
+            Rejected::Below
+        } else {
+            Rejected::No
+        }
+    }
+}
+
+/// What values about two edges are held against.
+pub(crate) struct EdgesReject {
+    /// What the places of feet are off by, on A's edge and on B's.
+    feet: [f64; 2],
+    /// The square of a length beyond which a gap is too large either way, and what squares of gaps are off by.
+    limit: f64,
+    gap: f64,
+}
 
 impl<O: Observer> Classification<'_, '_, O> {
+    /// The faces of the block on `side`.
+    pub(crate) fn face_rejects(&self, side: Side) -> SmallVec<[FaceReject; 8]> {
+        let solid = self.pair.solid(side);
+        let kind = match side {
+            Side::B => EntranceKind::VertexFace,
+            Side::A => EntranceKind::FaceVertex,
+        };
+        let scales = self.float_view().scales;
+        let limits = [(LengthTolerance::Search, scales.search), (LengthTolerance::Penetration, scales.penetration)]
+            .map(|(limit, length)| {
+                (length.squared().0, self.bound_of::<GapWithin>(GapWithin::variant_of(kind, limit)))
+            });
+        let sign_bound = self.bound_of::<AbovePlane>(AbovePlane::variant_of(side));
+        let face = |(face, prepared): (FaceId, &PreparedFace)| {
+            let PreparedFace { normal, centre, plane_size, count, first, .. } = *prepared;
+            FaceReject {
+                face,
+                first: solid.vertices[first.index()],
+                normal,
+                centre,
+                count,
+                sign_bound,
+                limits: limits.map(|(square, bound)| beyond(square * plane_size.0, bound)),
+            }
+        };
+        (0..).map(FaceId).zip(&solid.faces).map(face).collect()
+    }
+
     /// Whether a vertex is certainly too far above a face's plane, or too deep below (where the contact is not kept).
     #[inline(always)]
-    pub(crate) fn vertex_face_certainly_fails(&mut self, vertex: (Side, VertexId), face: (Side, FaceId)) -> bool {
+    pub(crate) fn certainly_fails(&mut self, reject: &FaceReject, at: &Vec3<Approx>, vertex: Vertex) -> bool {
         if O::is_active() {
             return false;
         }
-        let kind = match vertex.0 {
-            Side::A => EntranceKind::VertexFace,
-            Side::B => EntranceKind::FaceVertex,
+        let fails = match reject.test(at) {
+            Rejected::No => false,
+            Rejected::Above => true,
+            Rejected::Below => !self.is_kept(contact_of(vertex, (vertex.0.other(), reject.face))),
         };
-        let height = plane_value(&self.float_view(), vertex, face);
-        let size = self.pair.solid(face.0).faces[face.1.index()].plane_size;
-        let sign_bound = self.bound_of::<AbovePlane>(AbovePlane::variant_of(face.0));
-        let limit = if height.0 > sign_bound {
-            LengthTolerance::Search
-        } else if height.0 < -sign_bound {
-            LengthTolerance::Penetration
-        } else {
-            return false;
-        };
-        let fails = self.surely_beyond(kind, limit, height, size)
-            && !(limit == LengthTolerance::Penetration && self.is_kept(vertex_face::contact_of(vertex, face)));
         self.ladder.levels.float += 2 * u64::from(fails);
         fails
+    }
+
+    /// What edges are held against.
+    pub(crate) fn edges_reject(&self) -> EdgesReject {
+        let foot = |on| self.bound_of::<CommonFoot>(CommonFoot::variant_of(on));
+        let gap = |limit| self.bound_of::<GapWithin>(GapWithin::variant_of(EntranceKind::EdgeEdge, limit));
+        let scales = self.float_view().scales;
+        EdgesReject {
+            feet: [foot(Side::A), foot(Side::B)],
+            limit: scales.search.squared().0.max(scales.penetration.squared().0),
+            // Not `max`, which forgets what is not a number.
+            gap: gap(LengthTolerance::Search) + gap(LengthTolerance::Penetration),
+        }
     }
 
     /// Whether the feet of two edges' common perpendicular are certainly not inside, or the edges certainly too far apart
     /// either way (where the contact is not kept).
     #[inline(always)]
-    pub(crate) fn edges_certainly_fail(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> bool {
-        if O::is_active() {
-            return false;
-        }
-        let outside = |on, from_end| self.surely_negative(&CommonFoot { edge_a, edge_b, on, from_end });
-        let fails =
-            outside(Side::A, false) || outside(Side::A, true) || outside(Side::B, false) || outside(Side::B, true) || {
-                let (apart, size) = edges_plane(&self.float_view(), edge_a, edge_b);
-                let beyond = |limit| self.surely_beyond(EntranceKind::EdgeEdge, limit, apart, size);
-                beyond(LengthTolerance::Search)
-                    && beyond(LengthTolerance::Penetration)
-                    && !self.is_kept(ContactKey::EdgeEdge(edge_a, edge_b))
-            };
+    pub(crate) fn edges_certainly_fail(&mut self, reject: &EdgesReject, edge_a: EdgeId, edge_b: EdgeId) -> bool {
+        let fails = !O::is_active() && self.edges_fail(reject, edge_a, edge_b);
         self.ladder.levels.float += u64::from(fails);
         fails
+    }
+
+    #[inline(always)]
+    fn edges_fail(&self, reject: &EdgesReject, edge_a: EdgeId, edge_b: EdgeId) -> bool {
+        let view = self.float_view();
+        let (apart, size) = edges_plane(&view, edge_a, edge_b);
+        if apart.0 * apart.0 > beyond(reject.limit * size.0, reject.gap)
+            && !self.is_kept(ContactKey::EdgeEdge(edge_a, edge_b))
+        {
+            return true;
+        }
+        [Side::A, Side::B].into_iter().zip(reject.feet).any(|(on, bound)| {
+            let outside = |from_end| CommonFoot { edge_a, edge_b, on, from_end }.value(&view).0 < -bound;
+            outside(false) || outside(true)
+        })
     }
 
     /// Whether the boxes, A's grown by s, certainly meet.
@@ -68,26 +153,17 @@ impl<O: Observer> Classification<'_, '_, O> {
         if O::is_active() {
             return false;
         }
-        let (a, b, search) = (self.pair.a, self.pair.b, self.float_view().scales().search.0);
+        let (a, b, search) = (self.pair.a, self.pair.b, self.float_view().scales.search.0);
         let bound = self.bound_of::<BoxesMeet>(0);
         let meet = (0..3)
             .all(|k| search - (b.box_min[k] - a.box_max[k]) > bound && search - (a.box_min[k] - b.box_max[k]) > bound);
         self.ladder.levels.float += 6 * u64::from(meet);
         meet
     }
+}
 
-    /// Whether f64 proves that a polynomial is negative.
-    #[inline(always)]
-    fn surely_negative<P: Polynomial>(&self, polynomial: &P) -> bool {
-        polynomial.value(&self.float_view()).0 < -self.bound_of::<P>(polynomial.variant())
-    }
-
-    /// Whether f64 proves that a gap, as [`crate::predicate::plane`] gives it, is larger than a limit, whatever its sign.
-    #[inline(always)]
-    fn surely_beyond(&self, kind: EntranceKind, limit: LengthTolerance, height: Approx, size: Approx) -> bool {
-        let view = self.float_view();
-        let allowed = limit.of(&view).squared().times(&size);
-        let value = allowed.minus(&view.scales().unit.squared().times(&height.squared()));
-        value.0 < -self.bound_of::<GapWithin>(GapWithin::variant_of(kind, limit))
-    }
+/// What is larger is more than `value` by more than `bound`, but for the roundings in here.
+#[inline(always)]
+fn beyond(value: f64, bound: f64) -> f64 {
+    (value + bound) * (1.0 + 4.0 * f64::EPSILON)
 }

@@ -1,6 +1,6 @@
 //! The whole classification of a pair: rough phase, the four tests with both roles, one exit.
 
-use super::entrance::Candidate;
+use super::entrance::{Candidate, Planes};
 use super::exit::ExitCandidate;
 use super::reach::Reach;
 use crate::classification::{Classification, Observer, Unobserved};
@@ -9,6 +9,7 @@ use crate::pair::Pair;
 use crate::predicate::{BoxesMeet, Vertex};
 use rockproof_model::decision::{Decision, Predicate, Side};
 use rockproof_model::{Contact, ContactKey, FaceId, ToleranceSet};
+use smallvec::SmallVec;
 
 /// What the oracle says of a pair.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,6 +56,11 @@ impl<O: Observer> Classification<'_, '_, O> {
         self.vertex_face_contacts(Side::A, &a, &mut found);
         self.vertex_face_contacts(Side::B, &b, &mut found);
         self.edge_edge_contacts(&a, &b, distance, &mut found);
+        self.finish(found)
+    }
+
+    /// What stays of the contacts found, in the order of SPEC.
+    pub(super) fn finish(&mut self, mut found: Vec<ExitCandidate>) -> Vec<Contact> {
         if O::is_active() {
             found.retain(|f| !self.observer.leaves_out(&f.contact));
         }
@@ -65,7 +71,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         found.into_iter().map(|f| f.contact).collect()
     }
 
-    fn neighbours(&mut self) -> bool {
+    pub(super) fn neighbours(&mut self) -> bool {
         if self.surely_neighbours() {
             return true;
         }
@@ -87,7 +93,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         for &i in &a.vertices {
             for &j in &b.vertices {
                 if !self.vertices_out_of_reach(i, j, distance)
-                    && let Some(candidate) = self.vertex_vertex(i, j)
+                    && let Some(candidate) = self.vertex_vertex(i, j, Planes::ALL)
                 {
                     found.push(exit_candidate(ContactKey::VertexVertex(i, j), candidate));
                 }
@@ -107,7 +113,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         for &v in &own.vertices {
             for &e in &other.edges {
                 if !self.vertex_out_of_reach_of_edge((side, v), e, distance)
-                    && let Some(candidate) = self.vertex_edge((side, v), (side.other(), e))
+                    && let Some(candidate) = self.vertex_edge((side, v), (side.other(), e), Planes::ALL)
                 {
                     found.push(match side {
                         Side::A => exit_candidate(ContactKey::VertexEdge(v, e), candidate),
@@ -120,31 +126,52 @@ impl<O: Observer> Classification<'_, '_, O> {
 
     /// v-f for vertices of A, f-v for vertices of B.
     fn vertex_face_contacts(&mut self, side: Side, own: &Reach, found: &mut Vec<ExitCandidate>) {
-        let both_convex = self.pair.a.block.is_convex() && self.pair.b.block.is_convex();
-        let faces = self.pair.topology(side.other());
+        let faces = self.face_rejects(side.other());
+        let solid = self.pair.solid(side);
         let beyond = self.kept_vertices_beyond(side, own);
         for &v in own.vertices.iter().chain(&beyond) {
-            let vertex: Vertex = (side, v);
-            let mut touched: Vec<(FaceId, Candidate)> = Vec::new();
-            for face in faces.face_ids() {
-                if let Some(candidate) = self.vertex_face(vertex, (side.other(), face)) {
-                    touched.push((face, candidate));
+            let at = &solid.vertices[v.index()];
+            let mut near: SmallVec<[FaceId; 8]> = SmallVec::new();
+            for reject in &faces {
+                if !self.certainly_fails(reject, at, (side, v)) {
+                    near.push(reject.face);
                 }
             }
-            if !both_convex {
-                self.keep_shortest_exit(vertex, &mut touched);
+            if !near.is_empty() {
+                self.vertex_and_faces((side, v), near.into_iter(), found);
             }
-            found.extend(touched.into_iter().map(|(face, candidate)| match side {
-                Side::A => exit_candidate(ContactKey::VertexFace(v, face), candidate),
-                Side::B => exit_candidate(ContactKey::FaceVertex(face, v), candidate),
-            }));
         }
     }
 
+    /// v-f or f-v of one vertex and these faces, ascending.
+    pub(super) fn vertex_and_faces(
+        &mut self,
+        vertex: Vertex,
+        faces: impl Iterator<Item = FaceId>,
+        found: &mut Vec<ExitCandidate>,
+    ) {
+        let (side, v) = vertex;
+        let mut touched: Vec<(FaceId, Candidate)> = Vec::new();
+        for face in faces {
+            if let Some(candidate) = self.vertex_face(vertex, (side.other(), face)) {
+                touched.push((face, candidate));
+            }
+        }
+        if !(self.pair.a.block.is_convex() && self.pair.b.block.is_convex()) {
+            self.keep_shortest_exit(vertex, &mut touched);
+        }
+        found.extend(touched.into_iter().map(|(face, candidate)| match side {
+            Side::A => exit_candidate(ContactKey::VertexFace(v, face), candidate),
+            Side::B => exit_candidate(ContactKey::FaceVertex(face, v), candidate),
+        }));
+    }
+
     fn edge_edge_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<ExitCandidate>) {
+        let reject = self.edges_reject();
         for &i in &a.edges {
             for &j in &b.edges {
                 if !self.edges_out_of_reach(i, j, distance)
+                    && !self.edges_certainly_fail(&reject, i, j)
                     && let Some(candidate) = self.edge_edge(i, j)
                 {
                     found.push(exit_candidate(ContactKey::EdgeEdge(i, j), candidate));
@@ -157,6 +184,6 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 }
 
-fn exit_candidate(key: ContactKey, candidate: Candidate) -> ExitCandidate {
+pub(super) fn exit_candidate(key: ContactKey, candidate: Candidate) -> ExitCandidate {
     ExitCandidate { contact: Contact { key, entrance: candidate.entrance, gap: candidate.gap }, candidate }
 }

@@ -16,10 +16,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b)) {
             return None;
         }
-        if self.edges_certainly_fail(edge_a, edge_b)
-            || self.nearly_parallel(edge_a, edge_b)
-            || !self.feet_inside(edge_a, edge_b)
-        {
+        if self.nearly_parallel(edge_a, edge_b) || !self.feet_inside(edge_a, edge_b) {
             return None;
         }
         let sigma = self.orientation(edge_a, edge_b);
@@ -30,10 +27,12 @@ impl<O: Observer> Classification<'_, '_, O> {
         ) && self.not_too_deep(ContactKey::EdgeEdge(edge_a, edge_b), &candidate, || {
             about_edges(Predicate::EdgeEdgeDepth, edge_a, edge_b)
         });
-        if !near || self.an_end_belongs_elsewhere(edge_a, edge_b) {
+        // What is cheaper to ask goes first, but where decisions are recorded in the order of SPEC.
+        if !near || (O::is_active() && self.an_end_belongs_elsewhere(edge_a, edge_b)) {
             return None;
         }
-        candidate.passing(self.wedges_pass(edge_a, edge_b, sigma))
+        let candidate = candidate.passing(self.wedges_pass(edge_a, edge_b, sigma))?;
+        (O::is_active() || !self.an_end_belongs_elsewhere(edge_a, edge_b)).then_some(candidate)
     }
 
     /// Whether both feet of the common perpendicular lie strictly inside; **a tie says no**.
@@ -51,6 +50,11 @@ impl<O: Observer> Classification<'_, '_, O> {
     fn an_end_belongs_elsewhere(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> bool {
         let a = *self.pair.topology(Side::A).edge(edge_a);
         let b = *self.pair.topology(Side::B).edge(edge_b);
+        let ends =
+            [((Side::A, a.p), edge_b), ((Side::A, a.q), edge_b), ((Side::B, b.p), edge_a), ((Side::B, b.q), edge_a)];
+        if ends.into_iter().all(|(end, edge)| self.beyond_territory_of_edge(end, edge)) {
+            return false;
+        }
         [a.p, a.q].into_iter().any(|end_a| [b.p, b.q].into_iter().any(|end_b| self.share_territory(end_a, end_b)))
             || [a.p, a.q].into_iter().any(|end| self.in_edge_territory((Side::A, end), (Side::B, edge_b)))
             || [b.p, b.q].into_iter().any(|end| self.in_edge_territory((Side::B, end), (Side::A, edge_a)))

@@ -27,6 +27,33 @@ impl Candidate {
     }
 }
 
+/// Which entrances of a v-v or v-e contact may pass their no-overlap checks: asked of one after the other, in the order of SPEC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Planes {
+    /// A bit each; the last one stands for all others.
+    possible: u32,
+}
+
+impl Planes {
+    /// Nothing is known.
+    pub(crate) const ALL: Planes = Planes { possible: u32::MAX };
+
+    /// What may pass, in order; `None` where nothing may.
+    pub(crate) fn of(passing: impl Iterator<Item = bool>) -> Option<Planes> {
+        let possible = passing.enumerate().fold(0, |all, (k, may)| all | u32::from(may) << k.min(31));
+        (possible != 0).then_some(Planes { possible })
+    }
+
+    /// Whether the next one may pass.
+    #[inline(always)]
+    fn next(&mut self) -> bool {
+        let may = self.possible & 1 == 1;
+        // The last bit stays.
+        self.possible = self.possible >> 1 | self.possible & 1 << 31;
+        may
+    }
+}
+
 /// Candidates in the order in which ties are broken.
 pub(crate) type Candidates = SmallVec<[Candidate; 24]>;
 
@@ -50,8 +77,17 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Adds the planes of a vertex and those of `faces` whose plane its cone passes.
-    pub(crate) fn add_faces(&mut self, vertex: Vertex, faces: &[FaceId], candidates: &mut Candidates) {
+    pub(crate) fn add_faces(
+        &mut self,
+        vertex: Vertex,
+        faces: &[FaceId],
+        planes: &mut Planes,
+        candidates: &mut Candidates,
+    ) {
         for &face in faces {
+            if !planes.next() {
+                continue;
+            }
             let passes = self.cone_passes(vertex, (vertex.0.other(), face));
             if passes != Passes::No {
                 candidates.extend(self.face_candidate(vertex, face).passing(passes));
@@ -60,10 +96,16 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Adds the planes of crossing edges whose wedges pass. Convex edges all: those at convex vertices, and those that v-e is about.
-    pub(crate) fn add_edges(&mut self, edges_a: &[EdgeId], edges_b: &[EdgeId], candidates: &mut Candidates) {
+    pub(crate) fn add_edges(
+        &mut self,
+        edges_a: &[EdgeId],
+        edges_b: &[EdgeId],
+        planes: &mut Planes,
+        candidates: &mut Candidates,
+    ) {
         for &edge_a in edges_a.iter() {
             for &edge_b in edges_b {
-                if self.nearly_parallel(edge_a, edge_b) {
+                if !planes.next() || self.nearly_parallel(edge_a, edge_b) {
                     continue;
                 }
                 let sigma = self.orientation(edge_a, edge_b);

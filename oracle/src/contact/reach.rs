@@ -35,17 +35,21 @@ impl GrownBox {
 }
 
 impl<O: Observer> Classification<'_, '_, O> {
-    /// How far features may be apart and still matter, slack included.
-    pub(crate) fn reach_distance(&self) -> f64 {
-        let t = self.tolerances;
+    /// How far features may be apart and still matter, slack included; takes note of how far they may be and be in one another's territory.
+    pub(crate) fn reach_distance(&mut self) -> f64 {
         let (a, b) = (self.pair.a, self.pair.b);
-        let largest =
-            [&t.search, &t.territory, &t.penetration].into_iter().map(|n| n.approximate()).fold(0.0, f64::max);
+        let scales = self.float_view().scales;
+        let [search, territory, penetration] = [scales.search.0, scales.territory.0, scales.penetration.0];
         let coordinates = [a, b].into_iter().flat_map(|s| s.box_min.into_iter().chain(s.box_max));
         let magnitude = coordinates.map(f64::abs).fold(0.0, f64::max);
         // Eight roundings at most, each relative to the largest coordinate or to the distance itself.
-        (largest + a.bulge.max(b.bulge) + a.errors.coordinate + b.errors.coordinate) * (1.0 + 1e-12)
-            + 8.0 * f64::EPSILON * magnitude
+        let with_slack = |length: f64| {
+            (length + a.errors.coordinate + b.errors.coordinate) * (1.0 + 1e-12) + 8.0 * f64::EPSILON * magnitude
+        };
+        let largest = search.max(territory).max(penetration);
+        let distance = with_slack(largest + a.bulge.max(b.bulge));
+        self.territory_reach = with_slack(if self.classic { search } else { territory });
+        distance
     }
 
     /// The features of the block on `side` that come within `distance` of the other block's box.
@@ -180,9 +184,11 @@ mod tests {
     fn the_reach_without_tolerances_is_that_of_roundings() {
         let (a, b) = (cube(4), cube(2));
         let (pair, t) = (Pair::new(&a, &b), without_tolerances());
-        let run = Classification::new(&pair, &t, Unobserved);
+        let mut run = Classification::new(&pair, &t, Unobserved);
         let off = a.errors.coordinate + b.errors.coordinate;
         assert!(off > 0.0);
-        assert!(run.reach_distance() >= off + 8.0 * f64::EPSILON * 4.0 / 3.0, "{:e}", run.reach_distance());
+        let distance = run.reach_distance();
+        assert!(distance >= off + 8.0 * f64::EPSILON * 4.0 / 3.0, "{distance:e}");
+        assert!(run.territory_reach >= off + 8.0 * f64::EPSILON * 4.0 / 3.0, "{:e}", run.territory_reach);
     }
 }

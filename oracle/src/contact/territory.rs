@@ -2,14 +2,16 @@
 
 use crate::classification::{Classification, Observer};
 use crate::predicate::{Edge, FootAlong, LengthTolerance, Near, NearForEdge, NearLine, NearLineForHeight, Vertex};
-use rockproof_model::VertexId;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
+use rockproof_model::{EdgeId, VertexId};
 
 impl<O: Observer> Classification<'_, '_, O> {
     /// Whether vertices a of A and b of B lie in one another's territory: both convex and `|a − b| ≤ min(r_a, r_b)`;
     /// **a tie says yes**.
     pub(crate) fn share_territory(&mut self, a: VertexId, b: VertexId) -> bool {
-        if !(self.vertex_is_convex(Side::A, a) && self.vertex_is_convex(Side::B, b)) {
+        if (!O::is_active() && self.vertices_out_of_reach(a, b, self.territory_reach))
+            || !(self.vertex_is_convex(Side::A, a) && self.vertex_is_convex(Side::B, b))
+        {
             return false;
         }
         let decision =
@@ -41,10 +43,21 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether a vertex lies in the territory of an edge of the other block: both convex, its foot strictly inside
     /// (**a tie says no**), its distance to the line ≤ r_e (**a tie says yes**).
     pub(crate) fn in_edge_territory(&mut self, vertex: Vertex, edge: Edge) -> bool {
-        self.vertex_is_convex(vertex.0, vertex.1)
-            && self.edge_is_convex(edge.0, edge.1)
-            && self.foot_inside(vertex, edge)
-            && self.within_edge_territory(vertex, edge)
+        if self.beyond_territory_of_edge(vertex, edge.1)
+            || !(self.vertex_is_convex(vertex.0, vertex.1) && self.edge_is_convex(edge.0, edge.1))
+        {
+            return false;
+        }
+        // Most feet are inside, and most distances too large: that goes first where decisions are not recorded in the order of SPEC.
+        if O::is_active() {
+            return self.foot_inside(vertex, edge) && self.within_edge_territory(vertex, edge);
+        }
+        self.within_edge_territory(vertex, edge) && self.foot_inside(vertex, edge)
+    }
+
+    /// Whether a vertex is certainly too far from an edge of the other block to be in its territory or in that of its ends.
+    pub(crate) fn beyond_territory_of_edge(&self, vertex: Vertex, edge: EdgeId) -> bool {
+        !O::is_active() && self.vertex_out_of_reach_of_edge(vertex, edge, self.territory_reach)
     }
 
     /// Whether the foot of a vertex lies strictly inside an edge; **a tie says no**.

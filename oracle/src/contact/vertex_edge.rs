@@ -1,6 +1,6 @@
 //! Test 2: v-e, and e-v with the roles exchanged.
 
-use super::entrance::{Candidate, Candidates, faces_of};
+use super::entrance::{Candidate, Candidates, Planes, faces_of};
 use super::territory::about_vertex_edge;
 use crate::classification::{Classification, Observer};
 use crate::predicate::{Edge, FootBeyondVertex, InwardOf, LengthTolerance, NearLine, Vertex};
@@ -11,8 +11,9 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether a vertex touches an edge of the other block, and through which entrance.
     ///
     /// Both convex, the foot strictly inside, the distance ≤ s, the vertex in the territory of neither end, and either
-    /// in the edge's territory or each in the other's region; a candidate passes and the chosen one is not too deep.
-    pub(crate) fn vertex_edge(&mut self, vertex: Vertex, edge: Edge) -> Option<Candidate> {
+    /// in the edge's territory or each in the other's region; a candidate passes and the chosen one is not too deep. `planes` are
+    /// the candidates that may pass.
+    pub(crate) fn vertex_edge(&mut self, vertex: Vertex, edge: Edge, mut planes: Planes) -> Option<Candidate> {
         if !(self.vertex_is_convex(vertex.0, vertex.1) && self.edge_is_convex(edge.0, edge.1)) {
             return None;
         }
@@ -29,15 +30,15 @@ impl<O: Observer> Classification<'_, '_, O> {
             return None;
         }
         let mut candidates = Candidates::new();
-        self.add_faces(vertex, &faces_of(self, edge), &mut candidates);
+        self.add_faces(vertex, &faces_of(self, edge), &mut planes, &mut candidates);
         let at_vertex = self.pair.topology(vertex.0).vertex_edges(vertex.1);
         let contact = match vertex.0 {
             Side::A => {
-                self.add_edges(at_vertex, &[edge.1], &mut candidates);
+                self.add_edges(at_vertex, &[edge.1], &mut planes, &mut candidates);
                 ContactKey::VertexEdge(vertex.1, edge.1)
             }
             Side::B => {
-                self.add_edges(&[edge.1], at_vertex, &mut candidates);
+                self.add_edges(&[edge.1], at_vertex, &mut planes, &mut candidates);
                 ContactKey::EdgeVertex(edge.1, vertex.1)
             }
         };

@@ -21,9 +21,6 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// `h ≤ s`, not too deep, the projection strictly inside the polygon, the vertex in no territory of the face's vertices and
     /// edges, and its cone passes the plane.
     pub(crate) fn vertex_face(&mut self, vertex: Vertex, face: Face) -> Option<Candidate> {
-        if self.vertex_face_certainly_fails(vertex, face) {
-            return None;
-        }
         let candidate = self.face_candidate(vertex, face.1);
         let features = [Feature::Vertex(vertex.0, vertex.1), Feature::Face(face.0, face.1)];
         let near = self.decide(
@@ -35,13 +32,19 @@ impl<O: Observer> Classification<'_, '_, O> {
         if !near || !self.inside_face(vertex, face) {
             return None;
         }
-        let topology = self.pair.topology(face.0);
-        let elsewhere = topology.face(face.1).iter().any(|&v| self.vertices_share_territory(vertex, v))
-            || topology.face_edges(face.1).iter().any(|&e| self.in_edge_territory(vertex, (face.0, e)));
-        if elsewhere {
+        // What is cheaper to ask goes first, but where decisions are recorded in the order of SPEC.
+        if O::is_active() && self.belongs_to_rim(vertex, face) {
             return None;
         }
-        candidate.passing(self.cone_passes(vertex, face))
+        let candidate = candidate.passing(self.cone_passes(vertex, face))?;
+        (O::is_active() || !self.belongs_to_rim(vertex, face)).then_some(candidate)
+    }
+
+    /// Whether a vertex is in the territory of a vertex or an edge of a face.
+    fn belongs_to_rim(&mut self, vertex: Vertex, face: Face) -> bool {
+        let topology = self.pair.topology(face.0);
+        topology.face(face.1).iter().any(|&v| self.vertices_share_territory(vertex, v))
+            || topology.face_edges(face.1).iter().any(|&e| self.in_edge_territory(vertex, (face.0, e)))
     }
 
     /// Whether the projection of a vertex along N lies strictly inside a face; **a tie says no**.
@@ -121,7 +124,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 }
 
-fn inward_of(vertex: Vertex, face: Face, edge: EdgeId, topology: &Topology) -> InwardOf {
+pub(super) fn inward_of(vertex: Vertex, face: Face, edge: EdgeId, topology: &Topology) -> InwardOf {
     InwardOf { vertex, edge: (face.0, edge), right: topology.edge(edge).right == face.1 }
 }
 

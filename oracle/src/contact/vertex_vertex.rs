@@ -1,6 +1,6 @@
 //! Test 1: v-v.
 
-use super::entrance::{Candidate, Candidates};
+use super::entrance::{Candidate, Candidates, Planes};
 use crate::classification::{Classification, Observer};
 use crate::predicate::{BeyondVertex, LengthTolerance, Near, Vertex};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
@@ -10,8 +10,8 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether vertices a of A and b of B touch, and through which entrance.
     ///
     /// Both convex, `|a − b| ≤ s`, and either in one another's territory or each in the other's vertex region; a
-    /// candidate passes and the chosen one is not too deep.
-    pub(crate) fn vertex_vertex(&mut self, a: VertexId, b: VertexId) -> Option<Candidate> {
+    /// candidate passes and the chosen one is not too deep. `planes` are the candidates that may pass.
+    pub(crate) fn vertex_vertex(&mut self, a: VertexId, b: VertexId, mut planes: Planes) -> Option<Candidate> {
         if !(self.vertex_is_convex(Side::A, a) && self.vertex_is_convex(Side::B, b)) {
             return None;
         }
@@ -32,9 +32,9 @@ impl<O: Observer> Classification<'_, '_, O> {
         }
         let (at_a, at_b) = (self.pair.topology(Side::A), self.pair.topology(Side::B));
         let mut candidates = Candidates::new();
-        self.add_faces(vertex_a, at_b.vertex_faces(b), &mut candidates);
-        self.add_faces(vertex_b, at_a.vertex_faces(a), &mut candidates);
-        self.add_edges(at_a.vertex_edges(a), at_b.vertex_edges(b), &mut candidates);
+        self.add_faces(vertex_a, at_b.vertex_faces(b), &mut planes, &mut candidates);
+        self.add_faces(vertex_b, at_a.vertex_faces(a), &mut planes, &mut candidates);
+        self.add_edges(at_a.vertex_edges(a), at_b.vertex_edges(b), &mut planes, &mut candidates);
         let chosen = self.choose(of, candidates)?;
         self.not_too_deep(contact, &chosen, || Decision::about(Predicate::EntranceDepth, &of)).then_some(chosen)
     }

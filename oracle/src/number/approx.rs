@@ -4,6 +4,18 @@ use rockproof_model::Ring;
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub(crate) struct Approx(pub(crate) f64);
 
+/// The smaller of two f64, one instruction: a second one that is no number is passed over, as [`f64::min`] does.
+#[inline(always)]
+pub(crate) fn smaller(first: f64, second: f64) -> f64 {
+    if second < first { second } else { first }
+}
+
+/// The larger of two f64, likewise.
+#[inline(always)]
+pub(crate) fn larger(first: f64, second: f64) -> f64 {
+    if second > first { second } else { first }
+}
+
 impl Ring for Approx {
     #[inline(always)]
     fn from_i32(value: i32) -> Self {

@@ -13,6 +13,7 @@ impl Polynomial for EdgeAbovePlane {
     const FIRST_SLOT: usize = after::<NormalComponent>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 3;
+    const WITHIN_BLOCKS: bool = true;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.face.0)
@@ -33,6 +34,7 @@ impl Polynomial for EdgeDipAngle {
     const FIRST_SLOT: usize = after::<EdgeAbovePlane>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 6;
+    const WITHIN_BLOCKS: bool = true;
     const DENOMINATOR: Denominator = Denominator::OneSquared;
     fn variant(&self) -> usize {
         side_of(self.face.0)
@@ -56,6 +58,7 @@ impl Polynomial for EdgeDipDepth {
     const FIRST_SLOT: usize = after::<EdgeDipAngle>();
     const VARIANTS: usize = 4;
     const DEGREE: usize = 6;
+    const WITHIN_BLOCKS: bool = true;
     const DENOMINATOR: Denominator = Denominator::UnitSquared;
     fn variant(&self) -> usize {
         side_of(self.face.0) * 2 + self.limit as usize

@@ -21,6 +21,7 @@ impl Polynomial for NormalsAgree {
     const FIRST_SLOT: usize = after::<LargerGap>();
     const VARIANTS: usize = 9;
     const DEGREE: usize = 4;
+    const WITHIN_BLOCKS: bool = true;
     fn variant(&self) -> usize {
         kind_of(&self.first) * 3 + kind_of(&self.second)
     }
@@ -39,6 +40,7 @@ impl Polynomial for NormalsWithin {
     const FIRST_SLOT: usize = after::<NormalsAgree>();
     const VARIANTS: usize = 9;
     const DEGREE: usize = 8;
+    const WITHIN_BLOCKS: bool = true;
     const DENOMINATOR: Denominator = Denominator::OneSquared;
     fn variant(&self) -> usize {
         kind_of(&self.first) * 3 + kind_of(&self.second)

@@ -105,6 +105,7 @@ impl Polynomial for NormalComponent {
     const FIRST_SLOT: usize = after::<PolygonHeight>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 2;
+    const WITHIN_BLOCKS: bool = true;
     fn variant(&self) -> usize {
         side_of(self.face.0)
     }

@@ -12,6 +12,7 @@ impl Polynomial for ParallelAngle {
     const FIRST_SLOT: usize = after::<EdgeDipDepth>();
     const VARIANTS: usize = 1;
     const DEGREE: usize = 4;
+    const WITHIN_BLOCKS: bool = true;
     const DENOMINATOR: Denominator = Denominator::OneSquared;
     #[inline(always)]
     fn variant(&self) -> usize {
@@ -37,6 +38,7 @@ impl Polynomial for ParallelReach {
     const FIRST_SLOT: usize = after::<ParallelAngle>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 4;
+    const WITHIN_BLOCKS: bool = true;
     const DENOMINATOR: Denominator = Denominator::UnitSquared;
     #[inline(always)]
     fn variant(&self) -> usize {
@@ -62,13 +64,21 @@ pub(crate) struct CommonFoot {
     pub(crate) from_end: bool,
 }
 
+impl CommonFoot {
+    /// The variant of all feet on edges of the block on `side`.
+    #[inline(always)]
+    pub(crate) fn variant_of(side: Side) -> usize {
+        side_of(side)
+    }
+}
+
 impl Polynomial for CommonFoot {
     const FIRST_SLOT: usize = after::<ParallelReach>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 4;
     #[inline(always)]
     fn variant(&self) -> usize {
-        side_of(self.on)
+        CommonFoot::variant_of(self.on)
     }
     #[inline(always)]
     fn value<V: View>(&self, view: &V) -> V::T {
@@ -97,6 +107,7 @@ impl Polynomial for Orientation {
     const FIRST_SLOT: usize = after::<CommonFoot>();
     const VARIANTS: usize = 1;
     const DEGREE: usize = 5;
+    const WITHIN_BLOCKS: bool = true;
     #[inline(always)]
     fn variant(&self) -> usize {
         0
@@ -132,6 +143,7 @@ impl Polynomial for InwardAcross {
     const FIRST_SLOT: usize = after::<Orientation>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 5;
+    const WITHIN_BLOCKS: bool = true;
     #[inline(always)]
     fn variant(&self) -> usize {
         side_of(self.side)
@@ -150,6 +162,7 @@ impl Polynomial for WedgeDipAngle {
     const FIRST_SLOT: usize = after::<InwardAcross>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 10;
+    const WITHIN_BLOCKS: bool = true;
     const DENOMINATOR: Denominator = Denominator::OneSquared;
     fn variant(&self) -> usize {
         self.0.variant()
@@ -176,6 +189,7 @@ impl Polynomial for WedgeDipDepth {
     const FIRST_SLOT: usize = after::<WedgeDipAngle>();
     const VARIANTS: usize = 4;
     const DEGREE: usize = 14;
+    const WITHIN_BLOCKS: bool = true;
     const DENOMINATOR: Denominator = Denominator::UnitSquared;
     fn variant(&self) -> usize {
         self.inward.variant() * 2 + self.limit as usize

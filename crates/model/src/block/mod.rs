@@ -113,6 +113,11 @@ impl Block {
         Block { shape: Arc::clone(&self.shape), vertices: vertices.into() }
     }
 
+    /// Whether another block is this one with other coordinates, or the same: its faces, edges and vertices have the same numbers and flags.
+    pub fn has_shape_of(&self, other: &Block) -> bool {
+        Arc::ptr_eq(&self.shape, &other.shape) || self.shape == other.shape
+    }
+
     /// The block moved by `offset`, exactly.
     #[must_use]
     pub fn translated(&self, offset: &Point) -> Block {
