@@ -29,6 +29,16 @@ pub(crate) trait Observer {
     /// The decision has this outcome.
     fn end(&mut self, decision: &Decision, outcome: i8);
 
+    /// The outcome of the decision that is next, where it is known from the same classification made before: then it is not made again.
+    fn known_outcome(&mut self) -> Option<i8> {
+        None
+    }
+
+    /// A sign that no decision asks for, likewise.
+    fn known_sign(&mut self) -> Option<Sign> {
+        None
+    }
+
     /// What the classification takes a sign of the decision under way for: what it is, but for a [`crate::Departure`].
     fn taken(&self, sign: Sign) -> Sign {
         sign
@@ -153,6 +163,9 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         if !O::ACTIVE {
             return decide(self);
         }
+        if let Some(outcome) = self.observer.known_outcome() {
+            return outcome != 0;
+        }
         let decision = decision();
         self.observer.begin(&decision);
         let yes = decide(self);
@@ -171,6 +184,9 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         if !O::ACTIVE {
             return decide(self);
         }
+        if let Some(outcome) = self.observer.known_outcome() {
+            return Sign::of_ordering(outcome.cmp(&0));
+        }
         let decision = decision();
         self.observer.begin(&decision);
         let sign = decide(self);
@@ -182,6 +198,11 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     /// The exact sign of a polynomial.
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+        if O::ACTIVE
+            && let Some(sign) = self.observer.known_sign()
+        {
+            return sign;
+        }
         let sign = self.quick_sign(polynomial);
         if !O::ACTIVE {
             return sign;
