@@ -17,6 +17,16 @@ pub(crate) trait Observer {
         true
     }
 
+    /// The outcome of the decision that is next, where it is known from the same classification made before: then it is not made again.
+    fn known_outcome(&mut self) -> Option<i8> {
+        None
+    }
+
+    /// A sign that no decision asks for, likewise.
+    fn known_sign(&mut self) -> Option<Sign> {
+        None
+    }
+
     /// A decision begins; the signs that follow belong to it.
     fn begin(&mut self, decision: &Decision);
     /// A sign was decided for the decision begun last; `margin` works out how close it is to zero: [`crate::Margin::relative`]. Returns what the
@@ -59,6 +69,14 @@ impl Observer for Unobserved {
 
 /// Whoever sees: the classification is compiled once for all who do.
 impl Observer for &mut dyn Observer {
+    fn known_outcome(&mut self) -> Option<i8> {
+        (**self).known_outcome()
+    }
+
+    fn known_sign(&mut self) -> Option<Sign> {
+        (**self).known_sign()
+    }
+
     fn begin(&mut self, decision: &Decision) {
         (**self).begin(decision);
     }
@@ -123,6 +141,9 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         if !O::is_active() {
             return decide(self);
         }
+        if let Some(outcome) = self.observer.known_outcome() {
+            return outcome != 0;
+        }
         let decision = decision();
         self.observer.begin(&decision);
         let yes = decide(self);
@@ -139,6 +160,9 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         if !O::is_active() {
             return decide(self);
         }
+        if let Some(outcome) = self.observer.known_outcome() {
+            return Sign::of_ordering(outcome.cmp(&0));
+        }
         let decision = decision();
         self.observer.begin(&decision);
         let sign = decide(self);
@@ -148,10 +172,13 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     /// The exact sign of a polynomial.
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
-        let sign = self.ladder.sign(polynomial);
         if !O::is_active() {
+            return self.ladder.sign(polynomial);
+        }
+        if let Some(sign) = self.observer.known_sign() {
             return sign;
         }
+        let sign = self.ladder.sign(polynomial);
         // Of a zero the margin is known.
         self.observed(sign, |margins| if sign.is_zero() { 0.0 } else { margins.of(polynomial).1 })
     }

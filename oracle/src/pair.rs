@@ -3,6 +3,7 @@
 use crate::field::DoubleBall;
 use crate::number::{Bits, Fixed, Int128, Magnitude};
 use crate::prepared_block::PreparedBlock;
+use crate::trace::Recordings;
 use crate::view::{ExactBlock, ExactPair};
 use num_bigint::BigInt;
 use num_traits::Signed;
@@ -34,6 +35,7 @@ pub struct Pair<'s> {
     int1024: OnceCell<ExactPair<'s, Int1024>>,
     heap: OnceCell<ExactPair<'s, BigInt>>,
     magnitudes: MagnitudePairs<'s>,
+    pub(crate) recordings: Recordings,
 }
 
 /// The pair for margins: in balls of two f64 and in integers of each width, with the sizes of their terms.
@@ -159,6 +161,7 @@ impl<'s> Pair<'s> {
             int1024: OnceCell::new(),
             heap: OnceCell::new(),
             magnitudes: MagnitudePairs::default(),
+            recordings: Recordings::default(),
         }
     }
 

@@ -25,6 +25,7 @@ use std::collections::BTreeMap;
 mod definite;
 mod enclosed;
 mod limits;
+mod replayed;
 mod ties;
 mod vectors;
 

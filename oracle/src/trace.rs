@@ -2,10 +2,10 @@
 
 use crate::classification::{Classification, Observer};
 use crate::pair::Pair;
-use foldhash::fast::FixedState;
 use rockproof_model::decision::Decision;
+use rockproof_model::decision_index::DecisionIndex;
 use rockproof_model::{ContactKey, Sign, ToleranceSet};
-use std::collections::HashSet;
+use std::cell::{Ref, RefCell};
 
 /// One decision the oracle made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,17 +40,11 @@ impl Pair<'_> {
 
     /// All decisions of [`Pair::classify_keeping`], likewise.
     pub fn trace_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<TraceEntry> {
-        let mut recorder = Recorder::default();
-        let observer: &mut dyn Observer = &mut recorder;
-        Classification::new(self, tolerances, observer).keeping(kept).classify();
-        let mut entries = recorder.entries;
-        let mut seen = HashSet::with_capacity_and_hasher(entries.len(), FixedState::default());
-        entries.retain(|entry| seen.insert(entry.decision));
-        entries
+        self.recording(tolerances, kept).entries.clone()
     }
 
-    /// The exact margins of several decisions, for the price of one classification and of the margins themselves; `None` for
-    /// one that [`Pair::classify`] does not come to make, or that asks no sign of its own.
+    /// The exact margins of several decisions, for the price of the margins themselves once [`Pair::trace`] was asked under the same
+    /// tolerances; `None` for one that [`Pair::classify`] does not come to make, or that asks no sign of its own.
     pub fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<Margin>> {
         self.margins_keeping(tolerances, &[], decisions)
     }
@@ -62,10 +56,62 @@ impl Pair<'_> {
         kept: &[ContactKey],
         decisions: &[Decision],
     ) -> Vec<Option<Margin>> {
-        let mut measure = Measure { wanted: decisions, margins: vec![None; decisions.len()], measuring: None };
-        let observer: &mut dyn Observer = &mut measure;
+        let recording = self.recording(tolerances, kept);
+        let mut replay = Replay::new(&recording, decisions);
+        let observer: &mut dyn Observer = &mut replay;
         Classification::new(self, tolerances, observer).keeping(kept).classify();
-        measure.margins
+        replay.margins
+    }
+
+    /// The classification with its decisions, from memory where it was asked for before.
+    fn recording(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Ref<'_, Recording> {
+        let known = |recordings: &Recordings| recordings.position(tolerances, kept);
+        let at = known(&self.recordings).unwrap_or_else(|| {
+            let mut recorder = Recorder { entries: Vec::with_capacity(512), ..Recorder::default() };
+            let observer: &mut dyn Observer = &mut recorder;
+            Classification::new(self, tolerances, observer).keeping(kept).classify();
+            self.recordings.add(tolerances, kept, recorder.into_recording())
+        });
+        Ref::map(self.recordings.made.borrow(), |made| &made[at].2)
+    }
+}
+
+/// What is remembered of a classification: all it takes to come by the same way again without asking anything twice.
+struct Recording {
+    /// The decisions, each once.
+    entries: Vec<TraceEntry>,
+    /// Where each of them is.
+    index: DecisionIndex,
+    /// For each of them, which of all `outcomes` is its first.
+    first: Vec<u32>,
+    /// The outcomes of all decisions in the order made, those asked again too.
+    outcomes: Vec<i8>,
+    /// The signs that no decision asked for.
+    signs: Vec<Sign>,
+}
+
+/// The last few classifications of a pair that were recorded.
+#[derive(Default)]
+pub(crate) struct Recordings {
+    made: RefCell<Vec<(ToleranceSet, Vec<ContactKey>, Recording)>>,
+}
+
+/// How many classifications of a pair are remembered. The chain of causes asks for six at most: ideal and given tolerances, for each precision.
+const REMEMBERED: usize = 6;
+
+impl Recordings {
+    fn position(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Option<usize> {
+        self.made.borrow().iter().position(|(set, contacts, _)| set == tolerances && contacts == kept)
+    }
+
+    /// Remembers one more, and says where it is.
+    fn add(&self, tolerances: &ToleranceSet, kept: &[ContactKey], recording: Recording) -> usize {
+        let mut made = self.made.borrow_mut();
+        if made.len() == REMEMBERED {
+            made.remove(0);
+        }
+        made.push((tolerances.clone(), kept.to_vec(), recording));
+        made.len() - 1
     }
 }
 
@@ -73,42 +119,86 @@ impl Pair<'_> {
 #[derive(Default)]
 struct Recorder {
     entries: Vec<TraceEntry>,
+    signs: Vec<Sign>,
+    /// Whether a decision is being made.
+    deciding: bool,
     tie: bool,
+}
+
+impl Recorder {
+    fn note(&mut self, decision: &Decision, outcome: i8) {
+        self.deciding = false;
+        self.entries.push(TraceEntry { decision: *decision, outcome, tie: self.tie });
+    }
+
+    fn into_recording(self) -> Recording {
+        let Recorder { mut entries, signs, .. } = self;
+        let outcomes = entries.iter().map(|entry| entry.outcome).collect();
+        let mut first: Vec<u32> = Vec::with_capacity(entries.len());
+        let mut index = DecisionIndex::with_room(entries.len());
+        for number in 0..entries.len() {
+            let entry = entries[number];
+            if index.add(&entry.decision, first.len(), |place| &entries[place].decision).is_none() {
+                entries[first.len()] = entry;
+                first.push(number as u32);
+            }
+        }
+        entries.truncate(first.len());
+        Recording { entries, index, first, outcomes, signs }
+    }
 }
 
 impl Observer for Recorder {
     fn begin(&mut self, _decision: &Decision) {
-        self.tie = false;
+        (self.deciding, self.tie) = (true, false);
     }
 
     fn sign(&mut self, sign: Sign, _margin: &mut dyn FnMut() -> f64) -> Sign {
         self.tie |= sign.is_zero();
+        if !self.deciding {
+            self.signs.push(sign);
+        }
         sign
     }
 
     fn end(&mut self, decision: &Decision, yes: bool) -> bool {
-        self.entries.push(TraceEntry { decision: *decision, outcome: i8::from(yes), tie: self.tie });
+        self.note(decision, i8::from(yes));
         yes
     }
 
     fn end_with_sign(&mut self, decision: &Decision, sign: Sign) -> Sign {
-        self.entries.push(TraceEntry { decision: *decision, outcome: sign.as_i8(), tie: self.tie });
+        self.note(decision, sign.as_i8());
         sign
     }
 }
 
-/// Measures the decisions wanted.
-struct Measure<'d> {
-    wanted: &'d [Decision],
+/// Measures the decisions wanted, each the first time that it comes; all else comes out as recorded.
+struct Replay<'r> {
+    recording: &'r Recording,
+    /// Which of all decisions are wanted, in the order made, and the place of each among those wanted.
+    wanted: Vec<(u32, usize)>,
     margins: Vec<Option<Margin>>,
+    /// Decisions that have come, signs that no decision asked for, and decisions measured.
+    past: (u32, usize, usize),
     /// Place of the decision being made among those wanted.
     measuring: Option<usize>,
 }
 
-impl Observer for Measure<'_> {
-    fn begin(&mut self, decision: &Decision) {
-        self.measuring = self.wanted.iter().position(|wanted| wanted == decision);
+impl<'r> Replay<'r> {
+    fn new(recording: &'r Recording, decisions: &[Decision]) -> Replay<'r> {
+        let place = |decision| recording.index.find(decision, |place| &recording.entries[place].decision);
+        let first = |decision| Some(recording.first[place(decision)?]);
+        let mut wanted: Vec<(u32, usize)> =
+            decisions.iter().zip(0..).filter_map(|(d, at)| Some((first(d)?, at))).collect();
+        wanted.sort_unstable();
+        wanted.dedup_by_key(|(first, _)| *first);
+        let margins = vec![None; decisions.len()];
+        Replay { recording, wanted, margins, past: (0, 0, 0), measuring: None }
     }
+}
+
+impl Observer for Replay<'_> {
+    fn begin(&mut self, _decision: &Decision) {}
 
     fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64) -> Sign {
         if let Some(at) = self.measuring {
@@ -128,5 +218,26 @@ impl Observer for Measure<'_> {
     fn end_with_sign(&mut self, _decision: &Decision, sign: Sign) -> Sign {
         self.measuring = None;
         sign
+    }
+
+    fn known_outcome(&mut self) -> Option<i8> {
+        let (number, _, measured) = self.past;
+        self.past.0 += 1;
+        match self.wanted.get(measured) {
+            Some(&(wanted, place)) if wanted == number => {
+                self.past.2 += 1;
+                self.measuring = Some(place);
+                None
+            }
+            _ => self.recording.outcomes.get(number as usize).copied(),
+        }
+    }
+
+    fn known_sign(&mut self) -> Option<Sign> {
+        if self.measuring.is_some() {
+            return None;
+        }
+        self.past.1 += 1;
+        self.recording.signs.get(self.past.1 - 1).copied()
     }
 }

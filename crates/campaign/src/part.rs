@@ -129,7 +129,7 @@ impl Machine {
         let (mut agreement, mut steps) = (Agreement::default(), StepSummary::default());
         for subject in (0..FIRST_BATCHES).flat_map(|number| source.batch(number)) {
             let PairExamination { findings, agreement: of_pair, .. } = examine(&subject, &panel);
-            agreement.add(of_pair);
+            agreement.add_record(of_pair);
             said.extend(super::run::rows(&findings, &vec![None; findings.len()], Finding::row)?);
             if let Some(motion) = source.motion(&subject) {
                 let made = steps::examine_all(&[(&subject, motion)], &steppers);

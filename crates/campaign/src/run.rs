@@ -9,6 +9,7 @@ use super::merge::MergeError;
 use super::part::Part;
 use super::steps::{self, StepEngine, StepFinding};
 use super::summary::PairGroup;
+use rockproof_differential::agreement_record::AgreementRecord;
 use rockproof_differential::attribution::{EnginePanel, PairExamination, examine};
 use rockproof_differential::engine::{Levels, Shortage};
 use rockproof_differential::finding::Finding;
@@ -266,6 +267,7 @@ impl Campaign<'_> {
     pub(super) fn batch(&self, number: u64, end: u64, seen: &Seen, stopped: Stopped<'_>) -> Option<BatchResult> {
         let mut batch = BatchResult::default();
         let subjects = self.source.batch(number);
+        let mut record = AgreementRecord::default();
         for subject in subjects.iter().filter(|s| s.index < end) {
             if stopped() {
                 return None;
@@ -285,14 +287,13 @@ impl Campaign<'_> {
                 batch.counts.summary.add_finding(finding);
             }
             batch.findings.extend(findings);
-            let Counts {
-                levels: sum, contacts: contact_sum, metamorphic_checks: checks, agreement: agreements, ..
-            } = &mut batch.counts;
+            let Counts { levels: sum, contacts: contact_sum, metamorphic_checks: checks, .. } = &mut batch.counts;
             sum.add(&levels);
             *contact_sum += contacts;
             *checks += metamorphic_checks;
-            agreements.add(agreement);
+            record.add(agreement);
         }
+        batch.counts.agreement.add_record(record);
         batch.counts.agreement.close_batch();
         if stopped() {
             return None;

@@ -1,15 +1,12 @@
 //! How often two links of the chain of SPEC section 6 agree, and which kind of contact became which: the counts behind
 //! `agreement.csv` and `confusion.csv`. Findings say what differs; these say of how many.
 
-use super::compare::{AnswerChange, Difference, Features, differences};
+use super::agreement_record::{AgreementRecord, RecordedRow};
 use super::row::{named, written};
-use super::separation_state::StateComparison;
-use rockproof_model::{Contact, ContactKind};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::Arc;
 
 /// Which two links of the chain are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -224,77 +221,6 @@ pub struct ConfusionRow {
     pub contacts: u64,
 }
 
-/// Records the comparisons of one pair.
-#[derive(Debug)]
-pub struct AgreementRecorder {
-    family: Arc<str>,
-    agreement: Agreement,
-}
-
-impl AgreementRecorder {
-    /// For a pair of a family.
-    pub fn new(family: Arc<str>) -> AgreementRecorder {
-        AgreementRecorder { family, agreement: Agreement::default() }
-    }
-
-    /// What was recorded.
-    pub fn into_agreement(self) -> Agreement {
-        self.agreement
-    }
-
-    fn counts(&mut self, compared: &ComparisonKey) -> &mut AgreementCounts {
-        self.agreement.counts.entry((self.family.to_string(), compared.clone())).or_default()
-    }
-
-    fn add_transition(&mut self, compared: &ComparisonKey, before: &str, after: &str, times: u64) {
-        let key = (compared.clone(), (before.to_owned(), after.to_owned()));
-        *self.agreement.confusion.entry(key).or_default() += times;
-    }
-
-    /// Two answers.
-    pub fn answers(&mut self, compared: &ComparisonKey, before: &[Contact], after: &[Contact], features: Features<'_>) {
-        let changed = differences(before, after, features);
-        let of = |change| changed.iter().filter(|d| d.change == change).count() as u64;
-        let new = AgreementCounts {
-            pairs: 1,
-            agreeing: u64::from(changed.is_empty()),
-            contacts: before.len() as u64,
-            entrance: of(AnswerChange::Entrance),
-            gap_sign: of(AnswerChange::GapSign),
-            ..AgreementCounts::default()
-        };
-        self.counts(compared).add(&new);
-        let name = |contact: Option<Contact>| contact.map_or(NONE, |c| c.kind().name());
-        let moved =
-            |d: &&Difference| matches!(d.change, AnswerChange::Missing | AnswerChange::Extra | AnswerChange::Kind);
-        for kind in ContactKind::ALL {
-            let there = before.iter().filter(|c| c.kind() == kind).count();
-            let left = changed.iter().filter(moved).filter(|d| d.before.is_some_and(|c| c.kind() == kind)).count();
-            if there > left {
-                self.add_transition(compared, kind.name(), kind.name(), (there - left) as u64);
-            }
-        }
-        for difference in changed.iter().filter(moved) {
-            self.add_transition(compared, name(difference.before), name(difference.after), 1);
-        }
-    }
-
-    /// An engine's word on how two blocks lie, and whether it is right in all it said.
-    pub fn state(&mut self, compared: &ComparisonKey, comparison: &StateComparison, right: bool) {
-        self.counts(compared).add(&AgreementCounts {
-            pairs: 1,
-            agreeing: u64::from(right),
-            ..AgreementCounts::default()
-        });
-        self.add_transition(compared, comparison.exact.name(), comparison.reported.state.name(), 1);
-    }
-
-    /// No answer on the later side.
-    pub fn no_answer(&mut self, compared: &ComparisonKey) {
-        self.counts(compared).add(&AgreementCounts { pairs: 1, silent: 1, ..AgreementCounts::default() });
-    }
-}
-
 impl Agreement {
     /// Adds the counts of `other`.
     pub fn add(&mut self, other: Agreement) {
@@ -303,6 +229,19 @@ impl Agreement {
         }
         for (key, times) in other.confusion {
             *self.confusion.entry(key).or_default() += times;
+        }
+    }
+
+    /// Adds the comparisons of some pairs.
+    pub fn add_record(&mut self, record: AgreementRecord) {
+        for row in record.rows {
+            let RecordedRow { family, tolerances, span, engine, counts, transitions } = row;
+            let compared = ComparisonKey { tolerances: tolerances.to_string(), span, engine: engine.into() };
+            for ([before, after], times) in transitions {
+                let key = (compared.clone(), (before.to_owned(), after.to_owned()));
+                *self.confusion.entry(key).or_default() += times;
+            }
+            self.counts.entry((family.to_string(), compared)).or_default().add(&counts);
         }
     }
 

@@ -7,7 +7,8 @@
 
 // Longer than 400 lines: one chain of causes, link after link.
 
-use super::agreement::{Agreement, AgreementRecorder, ChainSpan, ComparisonKey};
+use super::agreement::ChainSpan;
+use super::agreement_record::{AgreementRecord, Compared};
 use super::collapse::collapsed_feature;
 use super::collision;
 use super::compare::{AnswerChange, Difference, Features, differences};
@@ -20,6 +21,7 @@ use super::finding::{Cause, DecidingDecision, Finding, FindingScope};
 use super::metamorphic;
 use super::separation_state::ReportedState;
 use super::subject::{Subject, SubjectSet};
+use super::transform::ExactBlocks;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
@@ -65,7 +67,7 @@ pub struct PairExamination {
     /// Metamorphic checks made.
     pub metamorphic_checks: u64,
     /// How often the links of the chain agree.
-    pub agreement: Agreement,
+    pub agreement: AgreementRecord,
 }
 
 /// Which findings somebody looks for; an examination for them may leave all others out.
@@ -126,10 +128,11 @@ fn examination<'p>(
     let mut examination = Examiner {
         subject,
         panel,
+        blocks: ExactBlocks::new([&subject.a, &subject.b]),
         features: Features { a: subject.a.topology(), b: subject.b.topology() },
         exact,
         found: PairExamination::default(),
-        recorder: AgreementRecorder::new(Arc::clone(&subject.family)),
+        recorder: AgreementRecord::default(),
         wanted,
     };
     let (tolerance, later) = (examination.wants(Cause::Tolerance), !examination.wants_only(Cause::Tolerance));
@@ -142,7 +145,7 @@ fn examination<'p>(
         }
     }
     let mut found = examination.found;
-    found.agreement = examination.recorder.into_agreement();
+    found.agreement = examination.recorder;
     found.levels.add(&examination.exact.levels.into_inner());
     for view in views {
         if let Some(side) = view.exact.into_inner() {
@@ -190,7 +193,7 @@ impl RoundedPair<'_> {
 pub(super) struct ExactSide<'p> {
     pair: Box<dyn ExactPair + 'p>,
     given: RefCell<Vec<(ToleranceSet, Rc<Vec<Contact>>)>>,
-    traced: RefCell<Vec<(ToleranceSet, Trace)>>,
+    traced: RefCell<Vec<(ToleranceSet, Rc<Trace>)>>,
     levels: RefCell<Levels>,
 }
 
@@ -212,12 +215,12 @@ impl<'p> ExactSide<'p> {
     }
 
     /// The decisions behind them. Several links of the chain ask for those of one set.
-    fn trace(&self, tolerances: &ToleranceSet) -> Trace {
+    fn trace(&self, tolerances: &ToleranceSet) -> Rc<Trace> {
         if let Some((_, trace)) = self.traced.borrow().iter().find(|(t, _)| classify_alike(t, tolerances)) {
-            return trace.clone();
+            return Rc::clone(trace);
         }
-        let trace = self.pair.trace(tolerances);
-        self.traced.borrow_mut().push((tolerances.clone(), trace.clone()));
+        let trace = Rc::new(self.pair.trace(tolerances));
+        self.traced.borrow_mut().push((tolerances.clone(), Rc::clone(&trace)));
         trace
     }
 }
@@ -264,10 +267,11 @@ impl<'p, 'o: 'p> PrecisionView<'p, 'o> {
 struct Examiner<'p> {
     subject: &'p Subject,
     panel: &'p EnginePanel,
+    blocks: ExactBlocks<'p>,
     features: Features<'p>,
     exact: ExactSide<'p>,
     found: PairExamination,
-    recorder: AgreementRecorder,
+    recorder: AgreementRecord,
     wanted: Option<WantedFindings<'p>>,
 }
 
@@ -339,7 +343,7 @@ impl<'p> Examiner<'p> {
         for &precision in &precisions {
             let tolerances = set.of(precision);
             let (ideal, given) = (self.exact.contacts(&tolerances.ideal()), self.exact.contacts(tolerances));
-            let compared = compared(set, ChainSpan::Tolerance, &precision.to_string());
+            let compared = compared(self.subject, set, ChainSpan::Tolerance, precision_name(precision));
             self.recorder.answers(&compared, &ideal, &given, self.features);
         }
         let mut changed: Vec<(FindingScope, &ToleranceSet, Difference)> = Vec::new();
@@ -382,9 +386,9 @@ impl<'p> Examiner<'p> {
         let precision = view.rounded.precision;
         let given = set.of(precision);
         let mut lost = |change, note: String| {
-            self.recorder.no_answer(&compared(set, ChainSpan::Representation, &precision.to_string()));
+            self.recorder.no_answer(&compared(self.subject, set, ChainSpan::Representation, precision_name(precision)));
             for engine in self.panel.engines.iter().filter(|e| e.precision() == precision) {
-                self.recorder.no_answer(&compared(set, ChainSpan::Whole, engine.name()));
+                self.recorder.no_answer(&compared(self.subject, set, ChainSpan::Whole, engine.name()));
             }
             self.report_failure(set, FindingScope::Rounded(precision), Cause::Representation, change, note);
         };
@@ -404,7 +408,7 @@ impl<'p> Examiner<'p> {
         let side = || if view.rounded.same { &self.exact } else { view.exact_side(blocks) };
         let rounded = if same { Rc::clone(&exact) } else { side().contacts(&tolerances) };
         let roundoff = Some(precision.epsilon() / 2.0);
-        let represented = compared(set, ChainSpan::Representation, &precision.to_string());
+        let represented = compared(self.subject, set, ChainSpan::Representation, precision_name(precision));
         self.recorder.answers(&represented, &exact, &rounded, self.features);
         let changed = self.wanted(Cause::Representation, differences(&exact, &rounded, self.features));
         if !changed.is_empty() {
@@ -424,6 +428,7 @@ impl<'p> Examiner<'p> {
         }
         for (engine, prepared) in &view.engines {
             let at = EngineAt {
+                subject: self.subject,
                 set,
                 number,
                 engine: *engine,
@@ -467,7 +472,7 @@ impl<'p> Examiner<'p> {
         }
         if self.is_checked(at.number) {
             let base = metamorphic::MetamorphicBase {
-                subject: self.subject,
+                pair: &self.blocks,
                 engine: at.engine,
                 oracle: &*self.panel.oracle,
                 blocks: at.blocks,
@@ -500,7 +505,7 @@ impl<'p> Examiner<'p> {
             let in_wide = || catch_panic(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
             let link = ChainLink {
                 before: &|| Some(side.trace(at.tolerances)),
-                after: &|| catch_panic(|| Ok(prepared.trace(at.tolerances))).ok().flatten(),
+                after: &|| catch_panic(|| Ok(prepared.trace(at.tolerances))).ok().flatten().map(Rc::new),
                 margins: &|decisions| side.pair.margins(at.tolerances, decisions),
                 roundoff: Some(at.engine.precision().epsilon() / 2.0),
             };
@@ -532,7 +537,7 @@ impl<'p> Examiner<'p> {
     fn state_link(&mut self, at: &EngineAt<'_>, scope: &FindingScope, said: ReportedState) {
         let pair = collision::CollisionCheck {
             engine: at.engine,
-            exact: [&self.subject.a, &self.subject.b],
+            exact: &self.blocks,
             blocks: at.blocks,
             tolerances: at.tolerances,
             metamorphic: self.is_checked(at.number),
@@ -555,6 +560,7 @@ impl<'p> Examiner<'p> {
 
 /// One engine's place in the chain.
 struct EngineAt<'x> {
+    subject: &'x Subject,
     set: &'x SubjectSet,
     number: usize,
     engine: &'x dyn Engine,
@@ -565,13 +571,21 @@ struct EngineAt<'x> {
 }
 
 impl EngineAt<'_> {
-    fn compared(&self, span: ChainSpan) -> ComparisonKey {
-        compared(self.set, span, self.engine.name())
+    fn compared(&self, span: ChainSpan) -> Compared<'_> {
+        compared(self.subject, self.set, span, self.engine.name())
     }
 }
 
-fn compared(set: &SubjectSet, span: ChainSpan, engine: &str) -> ComparisonKey {
-    ComparisonKey { tolerances: set.name.to_string(), span, engine: engine.to_owned() }
+fn compared<'x>(subject: &'x Subject, set: &'x SubjectSet, span: ChainSpan, engine: &'x str) -> Compared<'x> {
+    Compared { family: &subject.family, tolerances: &set.name, span, engine }
+}
+
+/// The precision as it stands in tables.
+fn precision_name(precision: Precision) -> &'static str {
+    match precision {
+        Precision::F32 => "f32",
+        Precision::F64 => "f64",
+    }
 }
 
 /// Whether two answers differ in the contacts a difference is about.

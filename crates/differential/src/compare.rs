@@ -175,6 +175,19 @@ impl Features<'_> {
         }
     }
 
+    /// Whether some vertex in the closure of a feature is such a one.
+    pub(super) fn any_vertex(&self, feature: Feature, is: impl Fn(VertexId) -> bool) -> bool {
+        let of = |side: Side| match side {
+            Side::A => self.a,
+            Side::B => self.b,
+        };
+        match feature {
+            Feature::Vertex(_, v) => is(v),
+            Feature::Edge(side, e) => of(side).edges().get(e.index()).is_some_and(|e| is(e.p) || is(e.q)),
+            Feature::Face(side, f) => of(side).faces().get(f.index()).is_some_and(|face| face.iter().any(|&v| is(v))),
+        }
+    }
+
     /// Whether one feature lies in the closure of the other. Both must belong to the same block.
     fn nested(&self, one: Feature, other: Feature) -> bool {
         let (one, other) = (self.vertices(one), self.vertices(other));

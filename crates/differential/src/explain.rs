@@ -3,17 +3,18 @@
 use super::compare::{Difference, Features};
 use super::engine::Trace;
 use super::finding::{DecidingDecision, FAR};
-use foldhash::fast::FixedState;
 use rockproof_model::decision::{Decision, Feature, Side};
+use rockproof_model::decision_index::DecisionIndex;
 use rockproof_model::{Contact, VertexId};
 use std::collections::{BTreeSet, HashMap};
+use std::rc::Rc;
 
 /// The two sides of a link of the chain, asked only when there is something to explain.
 pub struct ChainLink<'x> {
     /// The decisions on the side of the first answer.
-    pub before: &'x dyn Fn() -> Option<Trace>,
+    pub before: &'x dyn Fn() -> Option<Rc<Trace>>,
     /// The decisions on the side of the second answer.
-    pub after: &'x dyn Fn() -> Option<Trace>,
+    pub after: &'x dyn Fn() -> Option<Rc<Trace>>,
     /// The exact relative margins of decisions.
     pub margins: &'x dyn Fn(&[Decision]) -> Vec<Option<f64>>,
     /// Half the eps of the precision that changed the answer, if one did.
@@ -31,12 +32,15 @@ pub struct DivergentDecision {
 
 /// The decisions taken on both sides with different outcomes, in the order of the second trace.
 pub fn divergent_decisions(before: &Trace, after: &Trace) -> Vec<DivergentDecision> {
-    let mut known: HashMap<&Decision, i8, FixedState> =
-        HashMap::with_capacity_and_hasher(before.len(), FixedState::default());
-    known.extend(before.iter().map(|(decision, outcome)| (decision, *outcome)));
+    let mut known = DecisionIndex::with_room(before.len());
+    let at = |place: usize| &before[place].0;
+    // Of one that was taken more than once the last counts.
+    for (place, (decision, _)) in before.iter().enumerate().rev() {
+        known.add(decision, place, at);
+    }
     let mut found: Vec<DivergentDecision> = Vec::new();
     for (decision, outcome) in after {
-        if let Some(&was) = known.get(decision)
+        if let Some(was) = known.find(decision, at).map(|place| before[place].1)
             && was != *outcome
             && found.iter().all(|p| p.decision != *decision)
         {
@@ -154,7 +158,7 @@ impl DifferenceVertices {
                 Side::A => &self.a,
                 Side::B => &self.b,
             };
-            features.vertices(feature).iter().any(|v| around.contains(v))
+            features.any_vertex(feature, |v| around.contains(&v))
         })
     }
 }
@@ -182,8 +186,8 @@ mod tests {
         let gone = Contact { key: ContactKey::VertexVertex(VertexId(0), VertexId(0)), entrance, gap: Sign::Negative };
         let difference = Difference { change: AnswerChange::Missing, before: Some(gone), after: None };
         let link = ChainLink {
-            before: &|| Some(vec![(elsewhere, 0), (here, 1)]),
-            after: &|| Some(vec![(elsewhere, 1), (here, 0)]),
+            before: &|| Some(Rc::new(vec![(elsewhere, 0), (here, 1)])),
+            after: &|| Some(Rc::new(vec![(elsewhere, 1), (here, 0)])),
             margins: &|decisions| decisions.iter().map(|d| Some(if *d == here { 0.5 } else { chosen })).collect(),
             roundoff,
         };

@@ -2,6 +2,7 @@
 //! (SPEC section 6). Pairs of blocks at the top, steps of scenes in [`lockstep`].
 
 pub mod agreement;
+pub mod agreement_record;
 pub mod attribution;
 pub mod builtin;
 pub mod case_file;

@@ -10,14 +10,14 @@ use super::compare::{AnswerChange, Difference, Features, differences};
 use super::engine::{Engine, Oracle, Prepared, WideAnswer, catch_panic};
 use super::explain::{ChainLink, explain};
 use super::finding::{Cause, DecidingDecision};
-use super::subject::Subject;
-use super::transform::{Transform, Transformed};
+use super::transform::{ExactBlocks, Transform, Transformed};
 use rockproof_model::{Block, Contact, Number, Point, Precision, ToleranceSet};
+use std::rc::Rc;
 
 /// The answers a check starts from: one engine, one pair rounded to its precision, one tolerance set.
 pub struct MetamorphicBase<'x> {
     /// The pair, exact.
-    pub subject: &'x Subject,
+    pub pair: &'x ExactBlocks<'x>,
     /// The engine.
     pub engine: &'x dyn Engine,
     /// The exact side.
@@ -58,8 +58,7 @@ pub fn check(base: &MetamorphicBase<'_>) -> MetamorphicResult {
         if base.wanted.is_some_and(|wanted| wanted.change != transform.change().name()) {
             continue;
         }
-        if let Some(other) = transform.apply(&[&base.subject.a, &base.subject.b], base.blocks, base.engine.precision())
-        {
+        if let Some(other) = transform.apply(base.pair, base.blocks, base.engine.precision()) {
             checks.made += 1;
             compare(base, transform.change(), &other, &mut checks);
         }
@@ -147,8 +146,8 @@ fn deciding(
     let solids = base.oracle.prepare(&blocks[0], &blocks[1]);
     let pair = solids.pair();
     let link = ChainLink {
-        before: &|| Some(pair.trace(tolerances)),
-        after: &|| engine_trace(prepared, tolerances),
+        before: &|| Some(Rc::new(pair.trace(tolerances))),
+        after: &|| engine_trace(prepared, tolerances).map(Rc::new),
         margins: &|decisions| pair.margins(tolerances, decisions),
         roundoff: Some(base.engine.precision().epsilon() / 2.0),
     };

@@ -7,6 +7,7 @@ use rockproof_model::{
     Block, BlockOptions, Contact, ContactKey, EdgeId, Entrance, FaceId, Number, Point, Precision, ToleranceSet,
     Topology, VertexId,
 };
+use std::cell::OnceCell;
 
 /// A change of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +20,25 @@ pub enum Transform {
     Translate,
     /// All lengths are multiplied by a power of two.
     Scale,
+}
+
+/// The blocks before rounding, renumbered once for all engines.
+#[derive(Debug)]
+pub struct ExactBlocks<'x> {
+    blocks: [&'x Block; 2],
+    renumbered: OnceCell<Option<[(Block, Numbering); 2]>>,
+}
+
+impl<'x> ExactBlocks<'x> {
+    /// Of a pair.
+    pub fn new(blocks: [&'x Block; 2]) -> ExactBlocks<'x> {
+        ExactBlocks { blocks, renumbered: OnceCell::new() }
+    }
+
+    fn renumbered(&self) -> Option<&[(Block, Numbering); 2]> {
+        let [a, b] = self.blocks;
+        self.renumbered.get_or_init(|| Some([Numbering::of(a)?, Numbering::of(b)?])).as_ref()
+    }
 }
 
 /// The changed pair.
@@ -47,16 +67,16 @@ impl Transform {
 
     /// The changed pair, or `None` where the change cannot be made exactly. `exact` are the blocks before rounding,
     /// which a new numbering needs to keep the convexity flags, `rounded` the same as the engine sees them.
-    pub fn apply(self, exact: &[&Block; 2], rounded: &[Block; 2], precision: Precision) -> Option<Transformed> {
+    pub fn apply(self, exact: &ExactBlocks<'_>, rounded: &[Block; 2], precision: Precision) -> Option<Transformed> {
         let [a, b] = rounded;
         let one = Number::from_integer(1);
         let unchanged = Transformed { blocks: [a.clone(), b.clone()], swapped: false, numbering: None, scale: one };
         match self {
             Transform::Swap => Some(Transformed { blocks: [b.clone(), a.clone()], swapped: true, ..unchanged }),
             Transform::Renumber => {
-                let [(a, na), (b, nb)] = [Numbering::of(exact[0])?, Numbering::of(exact[1])?];
+                let [(a, of_a), (b, of_b)] = exact.renumbered()?;
                 let blocks = [a.rounded(precision)?, b.rounded(precision)?];
-                Some(Transformed { blocks, numbering: Some([na, nb]), ..unchanged })
+                Some(Transformed { blocks, numbering: Some([of_a.clone(), of_b.clone()]), ..unchanged })
             }
             Transform::Translate => {
                 let offset = exact_offset(rounded, precision)?;
@@ -242,7 +262,7 @@ mod tests {
     }
 
     fn apply(transform: Transform, pair: &[Block; 2]) -> Transformed {
-        transform.apply(&[&pair[0], &pair[1]], pair, Precision::F32).expect("an exact change")
+        transform.apply(&ExactBlocks::new([&pair[0], &pair[1]]), pair, Precision::F32).expect("an exact change")
     }
 
     #[test]
@@ -302,6 +322,7 @@ mod tests {
         // 2⁻¹⁴⁹ is the smallest f32: it cannot be divided.
         let tiny = 2f64.powi(-149);
         let least = [pair[0].clone(), box_between([0.0, 0.0, 0.0], [tiny, tiny, tiny])];
-        assert!(Transform::Scale.apply(&[&least[0], &least[1]], &least, Precision::F32).is_none());
+        let exact = ExactBlocks::new([&least[0], &least[1]]);
+        assert!(Transform::Scale.apply(&exact, &least, Precision::F32).is_none());
     }
 }

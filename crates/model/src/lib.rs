@@ -6,6 +6,7 @@ pub mod block;
 pub mod bounded_rows;
 pub mod contact;
 pub mod decision;
+pub mod decision_index;
 mod dyadic;
 pub mod files;
 pub mod lattice;

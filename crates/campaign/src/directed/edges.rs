@@ -168,7 +168,7 @@ fn outward(
     let e = exact.edge(side, edge);
     let mut choices: Vec<(IntVector, IntegerRoot)> = Vec::new();
     for face in [e.left, e.right] {
-        let n = exact.normal(side, face);
+        let n = exact.normal(side, face).clone();
         // A face that is not quite planar has a normal that is not quite square to the edge.
         let square = n.dot(&exact.direction(side, edge)).is_zero();
         for u in square.then_some(n).into_iter().chain([exact.inward(side, edge, face).negated()]) {

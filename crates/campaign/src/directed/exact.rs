@@ -10,6 +10,7 @@ use rockproof_model::lattice::Lattice;
 use rockproof_model::number::exact_log2;
 use rockproof_model::topology::Edge;
 use rockproof_model::{Block, EdgeId, FaceId, Number, ToleranceSet, Vec3, VertexId};
+use std::cell::OnceCell;
 
 /// An integer vector.
 pub(crate) type IntVector = Vec3<BigInt>;
@@ -25,6 +26,9 @@ pub(crate) struct ExactPlacement<'p> {
     pub(crate) search: BigInt,
     pub(crate) territory: BigInt,
     pub(crate) penetration: BigInt,
+    /// The vertices of both blocks, and the normals of their faces, as far as asked.
+    vertices: [Vec<OnceCell<IntVector>>; 2],
+    normals: [Vec<OnceCell<IntVector>>; 2],
 }
 
 /// A margin: `constant + gradient · (offset of B beyond its start)`, in lattice units to some power.
@@ -118,7 +122,10 @@ impl<'p> ExactPlacement<'p> {
         let lengths = [&set.search, &set.territory, &set.penetration];
         let lattice = Lattice::covering(coordinates.chain(lengths).chain(&start));
         let units = |n: &Number| lattice.units(n);
+        let places = |count: usize| std::iter::repeat_with(OnceCell::new).take(count).collect();
         ExactPlacement {
+            vertices: [a, b].map(|block| places(block.vertices().len())),
+            normals: [a, b].map(|block| places(block.topology().faces().len())),
             shift: Vec3::new(units(&start[0]), units(&start[1]), units(&start[2])),
             search: units(&set.search),
             territory: units(&set.territory),
@@ -138,9 +145,11 @@ impl<'p> ExactPlacement<'p> {
     }
 
     /// A vertex, B's moved by the start.
-    pub(crate) fn vertex(&self, side: Side, vertex: VertexId) -> IntVector {
-        let units = self.block(side).vertices()[vertex.index()].map(|c| self.lattice.units(c));
-        if side == Side::B { units.plus(&self.shift) } else { units }
+    pub(crate) fn vertex(&self, side: Side, vertex: VertexId) -> &IntVector {
+        self.vertices[side as usize][vertex.index()].get_or_init(|| {
+            let units = self.block(side).vertices()[vertex.index()].map(|c| self.lattice.units(c));
+            if side == Side::B { units.plus(&self.shift) } else { units }
+        })
     }
 
     pub(crate) fn edge(&self, side: Side, edge: EdgeId) -> Edge {
@@ -150,15 +159,17 @@ impl<'p> ExactPlacement<'p> {
     /// `q − p`.
     pub(crate) fn direction(&self, side: Side, edge: EdgeId) -> IntVector {
         let e = self.edge(side, edge);
-        self.vertex(side, e.q).minus(&self.vertex(side, e.p))
+        self.vertex(side, e.q).minus(self.vertex(side, e.p))
     }
 
     /// `N_f`.
-    pub(crate) fn normal(&self, side: Side, face: FaceId) -> IntVector {
-        let corners = self.block(side).topology().face(face);
-        let origin = self.vertex(side, corners[0]);
-        let arms: Vec<IntVector> = corners[1..].iter().map(|&v| self.vertex(side, v).minus(&origin)).collect();
-        arms.windows(2).fold(Vec3::zero(), |n, pair| n.plus(&pair[0].cross(&pair[1])))
+    pub(crate) fn normal(&self, side: Side, face: FaceId) -> &IntVector {
+        self.normals[side as usize][face.index()].get_or_init(|| {
+            let corners = self.block(side).topology().face(face);
+            let origin = self.vertex(side, corners[0]);
+            let arms: Vec<IntVector> = corners[1..].iter().map(|&v| self.vertex(side, v).minus(origin)).collect();
+            arms.windows(2).fold(Vec3::zero(), |n, pair| n.plus(&pair[0].cross(&pair[1])))
+        })
     }
 
     /// `m_L` or `m_R`: the inward direction of `face` at the edge.
@@ -181,7 +192,7 @@ impl<'p> ExactPlacement<'p> {
     /// `(x − y)·w` for vertices of the two blocks, as a function of where B is.
     pub(crate) fn along(&self, (x_side, x): (Side, VertexId), y: VertexId, w: &IntVector) -> AffineMargin {
         let from = self.vertex(x_side.other(), y);
-        let constant = self.vertex(x_side, x).minus(&from).dot(w);
+        let constant = self.vertex(x_side, x).minus(from).dot(w);
         AffineMargin { constant, gradient: if x_side == Side::B { w.clone() } else { w.negated() }, exact: true }
     }
 
@@ -192,8 +203,8 @@ impl<'p> ExactPlacement<'p> {
         let corners = self.block(other).topology().face(face);
         let k = BigInt::from(corners.len());
         let n = self.normal(other, face);
-        let sum = corners.iter().fold(IntVector::zero(), |s, &v| s.plus(&self.vertex(other, v)));
-        let constant = self.vertex(side, vertex).scaled(&k).minus(&sum).dot(&n);
+        let sum = corners.iter().fold(IntVector::zero(), |s, &v| s.plus(self.vertex(other, v)));
+        let constant = self.vertex(side, vertex).scaled(&k).minus(&sum).dot(n);
         let gradient = n.scaled(&k);
         let gradient = if side == Side::B { gradient } else { gradient.negated() };
         let square = n.norm_squared();

@@ -76,8 +76,8 @@ pub(super) fn cone_dip(
 ) -> Option<Dip> {
     let n = exact.normal(asked.other(), face);
     let end = exact.edge(asked, edge).other(vertex);
-    let e = exact.vertex(asked, end).minus(&exact.vertex(asked, vertex));
-    let rise = e.dot(&n);
+    let e = exact.vertex(asked, end).minus(exact.vertex(asked, vertex));
+    let rise = e.dot(n);
     let (squared, norms) = (&rise * &rise, n.norm_squared());
     rise.is_negative().then(|| Dip {
         sine: fraction(squared.clone(), &norms * e.norm_squared()),
@@ -86,7 +86,16 @@ pub(super) fn cone_dip(
 }
 
 /// The dips of the four faces at two edges, along their common perpendicular.
-pub(super) fn wedge_dips(exact: &ExactPlacement<'_>, (ea, eb): (EdgeId, EdgeId)) -> Vec<Dip> {
+pub(super) fn wedge_dips(exact: &ExactPlacement<'_>, edges: (EdgeId, EdgeId)) -> Vec<Dip> {
+    shallow_wedge_dips(exact, edges, None).unwrap_or_default()
+}
+
+/// The same; `None`, soon, where one of them is beyond a sine.
+pub(super) fn shallow_wedge_dips(
+    exact: &ExactPlacement<'_>,
+    (ea, eb): (EdgeId, EdgeId),
+    sine: Option<&BigRational>,
+) -> Option<Vec<Dip>> {
     let n = exact.perpendicular(ea, eb);
     let mut dips = Vec::new();
     for (side, edge) in [(Side::A, ea), (Side::B, eb)] {
@@ -98,12 +107,15 @@ pub(super) fn wedge_dips(exact: &ExactPlacement<'_>, (ea, eb): (EdgeId, EdgeId))
                 continue;
             }
             let (squared, norms) = (&rise * &rise, n.norm_squared() * m.norm_squared());
+            if sine.is_some_and(|sine| &squared * sine.denom().pow(2) > &norms * sine.numer().pow(2)) {
+                return None;
+            }
             let (width, over) = width_squared(exact, side, edge, face);
             let depth = exact.square_metres(&(&squared * width), &(&norms * over));
             dips.push(Dip { sine: fraction(squared, norms), depth });
         }
     }
-    dips
+    Some(dips)
 }
 
 /// The square of the greatest distance of a face's vertices from the line of one of its edges: numerator, denominator.
@@ -111,7 +123,7 @@ fn width_squared(exact: &ExactPlacement<'_>, side: Side, edge: EdgeId, face: Fac
     let d = exact.direction(side, edge);
     let p = exact.vertex(side, exact.edge(side, edge).p);
     let corners = exact.block(side).topology().face(face);
-    let far = corners.iter().map(|&v| exact.vertex(side, v).minus(&p).cross(&d)).max_by_key(Vec3::norm_squared);
+    let far = corners.iter().map(|&v| exact.vertex(side, v).minus(p).cross(&d)).max_by_key(Vec3::norm_squared);
     (far.map_or(BigInt::zero(), |f| f.norm_squared()), d.norm_squared())
 }
 

@@ -1,6 +1,6 @@
 //! Ladders across the decisions about the way out: which planes are true exits, and which contacts one exit keeps.
 
-use super::dip::{cone_dip, cone_vertices, wedge_dips};
+use super::dip::{cone_dip, cone_vertices, shallow_wedge_dips};
 use super::search::{CriticalDecision, STAY, both_edges};
 use crate::directed::exact::fraction;
 use crate::directed::f64_view::{F64Vector, cross, length, minus, plus, times, unit};
@@ -57,7 +57,10 @@ impl EntrancePlane {
                 let edges = pair.f64_view.block(vertex.0).topology().vertex_edges(vertex.1);
                 edges.iter().filter_map(|&edge| cone_dip(&exact, vertex, face, edge)).collect()
             }
-            EntrancePlane::Edges(a, b) => wedge_dips(&both_edges(pair, (a, b), STAY), (a, b)),
+            EntrancePlane::Edges(a, b) => {
+                let sine = pair.set.overlap_sine.to_rational();
+                shallow_wedge_dips(&both_edges(pair, (a, b), STAY), (a, b), Some(&sine))?
+            }
         };
         dips.iter().all(|dip| dip.passes(pair.set)).then_some(())?;
         dips.into_iter().map(|dip| dip.depth).max()

@@ -3,7 +3,7 @@
 use super::dip::{DipMeasure, cone, wedges};
 use super::exits::{one_exit, true_exit};
 use crate::directed::edges::across;
-use crate::directed::exact::{ExactPlacement, IntegerRoot, fraction};
+use crate::directed::exact::{ExactPlacement, fraction};
 use crate::directed::f64_view::{F64Vector, cross, length, minus};
 use crate::directed::faces::Corner;
 use crate::directed::vertices::DRAWS;
@@ -194,28 +194,32 @@ fn equal(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDeci
     let (asked, other) = (corner.side, corner.side.other());
     let vertices = corner.faces.iter().flat_map(|&f| pair.corners(other, f)).chain([(asked, corner.vertex)]);
     let exact = pair.exact(&vertices.collect::<Vec<_>>(), start);
-    // Signed squares of the gaps order as the gaps do.
-    let gaps: Vec<(FaceId, BigRational)> = corner
+    // Signed squares of the gaps order as the gaps do; a plane without area has the gap 0. None is in lowest terms.
+    let gaps: Vec<(FaceId, BigInt, BigInt)> = corner
         .faces
         .iter()
         .map(|&f| {
             let (gap, square, k) = exact.gap(asked, corner.vertex, f);
-            let sign = gap.constant.signum();
-            (f, fraction(sign * &gap.constant * &gap.constant, square * &k * &k))
+            let over = square * &k * &k;
+            let over = if over.is_zero() { BigInt::one() } else { over };
+            (f, gap.constant.signum() * &gap.constant * &gap.constant, over)
         })
         .collect();
-    let (best, largest) = gaps.iter().max_by(|g, h| g.1.cmp(&h.1).then(h.0.cmp(&g.0)))?;
-    let (f, second) = sampler.pick(&gaps);
+    let order = |g: &(FaceId, BigInt, BigInt), h: &(FaceId, BigInt, BigInt)| (&g.1 * &h.2).cmp(&(&h.1 * &g.2));
+    let (best, largest, largest_over) = gaps.iter().max_by(|g, h| order(g, h).then(h.0.cmp(&g.0)))?;
+    let (f, second, second_over) = sampler.pick(&gaps);
     if f == best || largest.is_zero() || largest.is_positive() != second.is_positive() {
         return None;
     }
-    // ε = |h_best − h|/|h_best| = |1 − √(h²/h_best²)|; rational where the ratio is a square.
-    let ratio = second / largest;
-    let root = IntegerRoot::of(&(ratio.numer() * ratio.denom()));
-    if !root.is_exact() {
+    // ε = |h_best − h|/|h_best| = |1 − √(h²/h_best²)|; rational where the ratio is a square: where numerator times denominator is one, in
+    // whichever terms.
+    let (numerator, denominator) = (second.abs() * largest_over, largest.abs() * second_over);
+    let product = numerator * &denominator;
+    let root = product.sqrt();
+    if &root * &root != product {
         return None;
     }
-    let share = BigRational::one() - BigRational::new(root.root, ratio.denom().clone());
+    let share = BigRational::one() - BigRational::new(root, denominator);
     let [a, b] = corner.contact();
     let [c, d] = corner.candidate(*f);
     Some((Decision::about(Predicate::EntranceChoice, &[a, b, c, d]), share.pow(2), start))

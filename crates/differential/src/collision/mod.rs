@@ -6,7 +6,7 @@ pub mod separation;
 use super::compare::AnswerChange;
 use super::engine::{Answer, Engine, catch_panic};
 use super::separation_state::{ReportedState, SeparationState, StateComparison};
-use super::transform::Transform;
+use super::transform::{ExactBlocks, Transform};
 use rockproof_model::{Block, Number, Point, Precision, ToleranceSet};
 use separation::{Separation, normal_separates};
 
@@ -60,7 +60,7 @@ pub struct CollisionCheck<'x> {
     /// The engine.
     pub engine: &'x dyn Engine,
     /// The pair, exact.
-    pub exact: [&'x Block; 2],
+    pub exact: &'x ExactBlocks<'x>,
     /// The pair as the engine sees it.
     pub blocks: &'x [Block; 2],
     /// The tolerances as the engine sees them.
@@ -100,7 +100,7 @@ impl CollisionCheck<'_> {
             return judgement;
         }
         for transform in Transform::ALL {
-            if let Some(other) = transform.apply(&self.exact, self.blocks, asked.precision) {
+            if let Some(other) = transform.apply(self.exact, self.blocks, asked.precision) {
                 judgement.made += 1;
                 let again = self.ask(&other.blocks, &other.tolerances(self.tolerances));
                 if let Some(again) = again.filter(|again| again.state != reported.state) {

@@ -3,7 +3,7 @@
 use super::hypothesis::Hypothesis;
 use super::question::{Asked, Solids};
 use crate::separation_state::ReportedState;
-use crate::transform::Transform;
+use crate::transform::{ExactBlocks, Transform};
 use rockproof_model::{Block, Contact, Number, Precision, ToleranceSet, Vec3};
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::{Classifier, Stepper};
@@ -100,7 +100,7 @@ impl Hypothesis for Input {
                 Some(contacts)
             }
             Input::Renumbered => {
-                let other = Transform::Renumber.apply(&[a, b], blocks, asked.question.precision)?;
+                let other = Transform::Renumber.apply(&ExactBlocks::new([a, b]), blocks, asked.question.precision)?;
                 Some(other.back(&exact(&other.blocks, tolerances)))
             }
             Input::InSingle => {

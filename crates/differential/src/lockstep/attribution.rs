@@ -13,6 +13,7 @@ use rockproof_oracle::step::{self as exact, ModeMargin};
 use rockproof_stepper::contact::{ClassificationRequest, PreparedBlock, Tolerances};
 use rockproof_stepper::dynamics::{Mode, StepRules};
 use rockproof_stepper::real::Real;
+use std::rc::Rc;
 
 /// Which links of the chain are compared in every step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -165,8 +166,8 @@ impl Explainer<'_> {
             Some(trace(&Pair::new(&prepared[0], &prepared[1]), self.after.tolerances, &kept))
         };
         let link = ChainLink {
-            before: &|| Some(trace(&before, self.before.tolerances, &kept)),
-            after: &trace_after,
+            before: &|| Some(Rc::new(trace(&before, self.before.tolerances, &kept))),
+            after: &|| trace_after().map(Rc::new),
             margins: &|decisions| {
                 let margins = before.margins_keeping(self.before.tolerances, &kept, decisions);
                 margins.into_iter().map(|margin| margin.map(signed)).collect()
