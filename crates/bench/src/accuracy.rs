@@ -14,32 +14,18 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Who answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum MeasuredEngine {
-    /// The stepper in f32.
-    F32,
-    /// The stepper in f64.
-    F64,
-    /// The oracle: its fast path, or its exact step.
-    Certified,
-    /// The oracle in plain rationals.
-    Exact,
-}
-
-impl MeasuredEngine {
-    /// All of them, from the cheapest.
-    pub const ALL: [MeasuredEngine; 4] =
-        [MeasuredEngine::F32, MeasuredEngine::F64, MeasuredEngine::Certified, MeasuredEngine::Exact];
-
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            MeasuredEngine::F32 => "stepper-f32",
-            MeasuredEngine::F64 => "stepper-f64",
-            MeasuredEngine::Certified => "certified",
-            MeasuredEngine::Exact => "exact",
-        }
+rockproof_model::named_enum! {
+    /// Who answers, from the cheapest.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum MeasuredEngine {
+        /// The stepper in f32.
+        F32 = "stepper-f32",
+        /// The stepper in f64.
+        F64 = "stepper-f64",
+        /// The oracle: its fast path, or its exact step.
+        Certified = "certified",
+        /// The oracle in plain rationals.
+        Exact = "exact",
     }
 }
 

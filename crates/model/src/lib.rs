@@ -9,6 +9,7 @@ pub mod decision;
 mod dyadic;
 pub mod files;
 pub mod lattice;
+mod named;
 pub mod number;
 pub mod number_text;
 pub mod preset;
