@@ -1,5 +1,6 @@
 //! Preparation, boxes, traces and errors of the stepper.
 
+use crate::golden_contacts;
 use crate::bent::{bent, short_reach, tips};
 use crate::hand_worked::base;
 use crate::pairs::{self, block, cuboid, n, spike, tetrahedron, tolerances};
@@ -185,7 +186,7 @@ fn a_trace_names_every_decision_and_changes_nothing() {
 #[test]
 fn all_predicates_are_traced_and_answered_both_ways() {
     let mut seen = std::collections::BTreeSet::new();
-    for pair in pairs::golden() {
+    for pair in golden_contacts::pairs() {
         let (a, b) = (PreparedBlock::<f64>::new(&pair.a).unwrap(), PreparedBlock::<f64>::new(&pair.b).unwrap());
         let t = Tolerances::new(&pair.tolerances).unwrap();
         let (_, decisions) = classify_traced::<f64, SpecRules>(&a, &b, &t);
@@ -222,7 +223,7 @@ fn culling_is_silent<R: Real>(a: &Block, b: &Block, t: &ToleranceSet) {
 
 #[test]
 fn culling_never_changes_an_answer() {
-    for pair in pairs::golden() {
+    for pair in golden_contacts::pairs() {
         culling_is_silent::<f32>(&pair.a, &pair.b, &pair.tolerances);
         culling_is_silent::<f64>(&pair.a, &pair.b, &pair.tolerances);
         culling_is_silent::<Wide>(&pair.a, &pair.b, &pair.tolerances);
