@@ -27,21 +27,8 @@ fn block(value: &Value) -> Result<Block, Failure> {
 }
 
 fn tolerances(value: &Value) -> Result<ToleranceSet, Failure> {
-    let zero = || Number::ZERO;
     let criteria = if value["criteria"] == "classic" { Criteria::Classic } else { Criteria::Revised };
-    let mut set = ToleranceSet {
-        search: zero(),
-        territory: zero(),
-        penetration: zero(),
-        overlap_sine: zero(),
-        parallel_sine: zero(),
-        equal: zero(),
-        open: zero(),
-        close: zero(),
-        max_displacement: zero(),
-        max_rotation: zero(),
-        criteria,
-    };
+    let mut set = ToleranceSet { criteria, ..ToleranceSet::ZERO };
     for (name, place) in set.numbers_mut() {
         *place = number(&value[name])?;
     }

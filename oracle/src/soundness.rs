@@ -16,8 +16,7 @@ use num_rational::BigRational;
 use rockproof_model::decision::Side;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{
-    Block, BlockOptions, Criteria, EdgeId, Entrance, EntranceKind, FaceId, Number, Sign, ToleranceSet, Topology, Vec3,
-    VertexId,
+    Block, BlockOptions, EdgeId, Entrance, EntranceKind, FaceId, Number, Sign, ToleranceSet, Topology, Vec3, VertexId,
 };
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -144,20 +143,7 @@ fn block(dice: &mut Dice, input: Input, shift: i32) -> Option<Block> {
 
 /// A set in which nothing may be apart, deep or askew, under `revised`.
 pub(crate) fn without_tolerances() -> ToleranceSet {
-    let zero = || Number::ZERO;
-    ToleranceSet {
-        search: zero(),
-        territory: zero(),
-        penetration: zero(),
-        overlap_sine: zero(),
-        parallel_sine: zero(),
-        equal: zero(),
-        open: zero(),
-        close: zero(),
-        max_displacement: zero(),
-        max_rotation: zero(),
-        criteria: Criteria::Revised,
-    }
+    ToleranceSet::ZERO
 }
 
 fn tolerances(dice: &mut Dice, size: f64) -> ToleranceSet {

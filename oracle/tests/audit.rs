@@ -12,6 +12,7 @@ use rockproof_model::scene::Scene;
 use rockproof_model::{Block, ContactKey, FaceId, Number, Precision, ToleranceSet, Vec3, VertexId};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Decider, Meaning, Overlap, OverlapVisibility, audit, rounding_depth};
+use support::random_numbers::Random;
 use support::shapes::{block, cuboid, exact, number, plus_sign, point, revised, slab, step, tetrahedron};
 
 type Place = Vec3<BigRational>;
@@ -351,18 +352,7 @@ fn what_no_contact_sees_is_the_same_whether_depth_or_contacts_are_asked_first() 
     assert!(unseen >= 19 && seen > 0, "{unseen} unseen, {seen} seen");
 }
 
-/// SplitMix64: the same pairs everywhere.
-struct Random(u64);
-
 impl Random {
-    fn below(&mut self, end: u64) -> i64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % end) as i64
-    }
-
     /// With corners on a coarse grid, so that pairs often touch exactly.
     fn tetrahedron(&mut self) -> Block {
         loop {

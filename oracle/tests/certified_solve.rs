@@ -2,32 +2,21 @@
 //! solution is the exact solution. Random systems of 6 to 24 unknowns, conditions from 1 to some 1e14; 10,000 of them at
 //! full size.
 
+#[path = "support/random_numbers.rs"]
+mod random_numbers;
+
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
+use random_numbers::Random;
 use rockproof_oracle::rational::Rational;
 use rockproof_oracle::solve::{Enclosed, SolveError, SpdSystem};
 
 const SYSTEMS: u64 = 300;
 
-/// SplitMix64: the same systems everywhere.
-struct Random(u64);
-
 impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: u64) -> u64 {
-        self.next() % end
-    }
-
     fn small(&mut self) -> i64 {
-        self.below(15) as i64 - 7
+        self.below(15) - 7
     }
 }
 
@@ -58,7 +47,7 @@ fn case(index: u64) -> Case {
         let lead = k % n;
         let filled = random.below(6) as usize;
         let mut u = vec![0i64; n];
-        u[lead] = 1 + random.below(3) as i64;
+        u[lead] = 1 + random.below(3);
         for _ in 0..filled {
             let place = random.below(lead as u64 + 1) as usize;
             if place != lead {
@@ -77,7 +66,7 @@ fn case(index: u64) -> Case {
             }
         }
     }
-    let right = (0..n).map(|_| fraction(random.small(), 1 + random.below(5) as i64)).collect();
+    let right = (0..n).map(|_| fraction(random.small(), 1 + random.below(5))).collect();
     Case { matrix, right, spread }
 }
 

@@ -1,6 +1,6 @@
 //! The fast path against the golden pairs: contacts, entrances, and gaps as exact squares.
 
-#[path = "support/golden.rs"]
+#[path = "../../tests/golden/golden_contacts.rs"]
 mod golden;
 
 use rockproof_oracle::{Pair, PreparedBlock};

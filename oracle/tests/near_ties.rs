@@ -9,25 +9,15 @@ use num_rational::BigRational;
 use rockproof_model::{Block, ContactKind, Number, Point, Precision, Sign, ToleranceSet, Vec3};
 use rockproof_oracle::{LevelCounts, Pair, PreparedBlock, plain};
 use support::handworked;
+use support::random_numbers::Random;
 use support::shapes::{block, cuboid, number, point, revised, slab, spike};
 
 const ROUNDS: u64 = 2;
 const FULL_ROUNDS: u64 = 8;
 
-/// SplitMix64: the same pairs everywhere.
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, n: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (z ^ (z >> 31)) % n
-    }
-
+impl Random {
     fn fraction(&mut self) -> Number {
-        let (numerator, denominator) = (self.below(2_001) as i64 - 1_000, 2 * self.below(500) as i64 + 1);
+        let (numerator, denominator) = (self.below(2_001) - 1_000, 2 * self.below(500) + 1);
         Number::from_rational(BigRational::new(numerator.into(), denominator.into()))
     }
 
@@ -57,7 +47,7 @@ fn mapped(block: &Block, factor: &Number, offset: &Point) -> Block {
     block.with_vertices(block.vertices().iter().map(|v| v.map(|c| c.times(factor))).collect()).translated(offset)
 }
 
-fn draw(case: &handworked::Case, round: u64, dice: &mut Dice) -> Option<Drawn> {
+fn draw(case: &handworked::Case, round: u64, dice: &mut Random) -> Option<Drawn> {
     let size = match round % 4 {
         // Beyond the sizes that have bounds of their own.
         3 => dice.pick(&["1/1267650600228229401496703205376", "1267650600228229401496703205376"]),
@@ -114,7 +104,7 @@ fn beside_every_tie_the_paths_agree_at_full_size() {
 }
 
 fn agree_beside_ties(rounds: u64) {
-    let mut dice = Dice(11);
+    let mut dice = Random(11);
     let (mut levels, mut pairs, mut touching, mut neighbours) = (LevelCounts::default(), 0u64, 0u64, [0, 0]);
     for case in handworked::cases() {
         for round in 0..rounds {
@@ -162,7 +152,7 @@ fn boxes_apart_by_a_hair_more_than_s_are_no_neighbours() {
 /// Edges that cross where one of them ends, exactly before they are rounded: after that the foot is a few last places inside or outside.
 #[test]
 fn edges_that_cross_at_an_end_have_the_feet_that_fractions_find() {
-    let mut dice = Dice(5);
+    let mut dice = Random(5);
     let (mut crossing, mut others) = (0u64, 0u64);
     for round in 0..40 * ROUNDS {
         let mut vector = || Vec3::new(0, 0, 0).map(|_: &i32| dice.below(19) as i32 - 9);

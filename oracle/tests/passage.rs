@@ -7,6 +7,7 @@ use num_rational::BigRational;
 use rockproof_model::{Block, Number, Vec3};
 use rockproof_oracle::passage::{PassageAnswer, PassageReport, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::penetration::penetration;
+use support::random_numbers::Random;
 use support::shapes::{block, cuboid, exact, notched_cube, number, point, slab, spike, step, tetrahedron};
 
 /// A moves by a translation, B stays.
@@ -198,18 +199,7 @@ fn coordinates_of_many_bits_have_directions_too() {
     assert_eq!(moved(&corner, ["0", "0", "0"], &other, "1/1000000"), certified);
 }
 
-/// SplitMix64: the same motions everywhere.
-struct Random(u64);
-
 impl Random {
-    fn below(&mut self, end: u64) -> i64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % end) as i64
-    }
-
     /// The block moved by a vector, and by its opposite, from a place at random; each vertex by a little of its
     /// own too.
     fn motion(&mut self, block: &Block) -> [Block; 2] {

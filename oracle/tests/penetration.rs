@@ -6,6 +6,7 @@ mod support;
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Sign, Vec3};
 use rockproof_oracle::penetration::{deepest, penetration};
+use support::random_numbers::Random;
 use support::shapes::{block, cuboid, exact, number, point, step, tetrahedron};
 
 fn squared(a: &Block, b: &Block) -> (Sign, BigRational) {
@@ -166,18 +167,7 @@ fn a_scene_names_its_deepest_pair_where_floats_see_none() {
     }
 }
 
-/// SplitMix64: the same pairs everywhere.
-struct Random(u64);
-
 impl Random {
-    fn below(&mut self, end: u64) -> i64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % end) as i64
-    }
-
     fn fraction(&mut self, end: u64, denominator: i64) -> BigRational {
         BigRational::new(self.below(end).into(), denominator.into())
     }

@@ -1,14 +1,8 @@
 //! Pins what the commands `classify`, `campaign`, `replay` and `shrink` print, write and exit with.
 
-use assert_cmd::Command;
+use crate::place::rockproof;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-fn rockproof(args: &[&str]) -> (i32, String, String) {
-    let output = Command::cargo_bin("rockproof").expect("the program").args(args).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
 
 fn path(dir: &Path, name: &str) -> String {
     dir.join(name).to_string_lossy().into_owned()

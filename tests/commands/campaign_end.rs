@@ -1,13 +1,10 @@
 //! Pins how a campaign is asked for, goes on, is stopped, and what it says at its end.
 
+use crate::place::rockproof;
+#[cfg(unix)]
+use crate::processes::{signal, until};
 use std::fs;
 use std::path::Path;
-
-fn rockproof(args: &[&str]) -> (i32, String, String) {
-    let output = assert_cmd::Command::cargo_bin("rockproof").expect("built").args(args).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
 
 /// A small campaign in `dir/name`.
 fn campaign(dir: &Path, name: &str, more: &[&str]) -> (i32, String, String) {
@@ -148,23 +145,6 @@ fn engines_in_a_file_may_be_external() {
     assert!(code == 0 && out.contains("stepper-f32") && !out.contains("stepper-f64"), "{out}{err}");
 }
 
-/// Waits until a campaign that was started has begun its results: from then on it listens to signals.
-#[cfg(unix)]
-fn wait_for_results(dir: &Path) {
-    for _ in 0..3000 {
-        if dir.join("run/progress.json").exists() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-}
-
-#[cfg(unix)]
-fn interrupt(id: u32) {
-    let sent = std::process::Command::new("kill").args(["-INT", &id.to_string()]).status();
-    assert!(sent.is_ok_and(|status| status.success()));
-}
-
 #[cfg(unix)]
 #[test]
 fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
@@ -176,13 +156,13 @@ fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("runs");
-    wait_for_results(dir.path());
+    until("listens to signals once it has results", || dir.path().join("run/progress.json").exists());
     std::thread::sleep(std::time::Duration::from_secs(1));
     let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
-    interrupt(child.id());
+    signal(&child, "INT");
     let said = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains("stopping in good order")));
     assert!(said.is_some_and(|line| line.expect("text").contains("again")));
-    interrupt(child.id());
+    signal(&child, "INT");
     // The first may have ended it before the second came.
     assert_eq!(child.wait().expect("ended").code(), Some(130));
 }
@@ -200,8 +180,8 @@ fn what_is_stopped_before_its_first_chunk_ends_has_no_verdict() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("runs");
-    wait_for_results(dir.path());
-    interrupt(child.id());
+    until("listens to signals once it has results", || dir.path().join("run/progress.json").exists());
+    signal(&child, "INT");
     let output = child.wait_with_output().expect("ended");
     let out = String::from_utf8(output.stdout).expect("UTF-8");
     assert_eq!(output.status.code(), Some(130), "{out}");

@@ -1,13 +1,8 @@
 //! Pins what `check` says of a model's size, units and planarity, and what `--scale` does.
 
+use crate::place::rockproof;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-fn rockproof(args: &[&str]) -> (i32, String, String) {
-    let output = assert_cmd::Command::cargo_bin("rockproof").expect("built").args(args).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
 
 /// A cube of a size in OBJ, turned so that no face is parallel to an axis; its faces as squares or cut into triangles.
 fn cube(dir: &Path, size: f64, digits: usize, triangles: bool) -> PathBuf {

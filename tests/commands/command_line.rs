@@ -1,12 +1,6 @@
 //! What is wrong with a command line is told as other errors are, whatever stands in it.
 
-use std::process::Command;
-
-fn rockproof(arguments: &[&str]) -> (i32, String, String) {
-    let output = Command::new(assert_cmd::cargo::cargo_bin!("rockproof")).args(arguments).output().expect("it runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
+use crate::place::rockproof;
 
 #[test]
 fn long_values_are_cut() {

@@ -1,18 +1,10 @@
 //! Pins `compare`: what it says of runs over the same pairs and over others, what it leaves out, what it refuses.
 
 use crate::engines::client;
-use assert_cmd::Command;
+use crate::place::rockproof_in;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-
-/// Runs the program in a folder; its exit code, stdout and stderr.
-fn run(dir: &Path, arguments: &[&str]) -> (i32, String, String) {
-    let output =
-        Command::cargo_bin("rockproof").expect("the program").current_dir(dir).args(arguments).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
 
 /// A small campaign with an engine `mine` that answers right, or as the client does when it is told to misbehave so.
 fn campaign(dir: &Path, out: &str, trick: &str, more: &[&str]) {
@@ -29,7 +21,7 @@ fn campaign(dir: &Path, out: &str, trick: &str, more: &[&str]) {
         "--out",
         out,
     ];
-    let (code, _, err) = run(dir, &[&["campaign"], &settings[..], more].concat());
+    let (code, _, err) = rockproof_in(dir, &[&["campaign"], &settings[..], more].concat());
     assert_eq!(code, 0, "{err}");
 }
 
@@ -45,17 +37,17 @@ fn the_same_pairs_tell_everything() {
     campaign(dir, "after", "none", &["--pairs", "128"]);
     campaign(dir, "shorter", "none", &["--pairs", "64"]);
 
-    let (code, text, err) = run(dir, &["compare", "before", "before", "--deny", "new,more,other"]);
+    let (code, text, err) = rockproof_in(dir, &["compare", "before", "before", "--deny", "new,more,other"]);
     assert_eq!(code, 0, "{err}");
     assert!(
         text.contains("same 128 pairs") && text.contains("0 new, 0 more frequent") && !text.contains("gone │"),
         "{text}"
     );
 
-    let (code, text, _) = run(dir, &["compare", "before", "after", "--deny", "new"]);
+    let (code, text, _) = rockproof_in(dir, &["compare", "before", "after", "--deny", "new"]);
     assert!(code == 1 && text.contains("new") && text.contains("mine") && text.contains("external:"), "{code}: {text}");
-    let worse = document(&run(dir, &["compare", "before", "after", "--format", "json"]).1);
-    let better = document(&run(dir, &["compare", "after", "before", "--format", "json"]).1);
+    let worse = document(&rockproof_in(dir, &["compare", "before", "after", "--format", "json"]).1);
+    let better = document(&rockproof_in(dir, &["compare", "after", "before", "--format", "json"]).1);
     let trends = |of: &Value| -> Vec<String> {
         let classes = of["findings"]["classes"].as_array().expect("classes");
         classes.iter().map(|class| class["trend"].as_str().expect("a trend").to_owned()).collect()
@@ -79,18 +71,18 @@ fn the_same_pairs_tell_everything() {
     assert_eq!([sums(0), sums(1)], ["before", "after"].map(rows));
 
     // Of the longer run only the pairs that the shorter has.
-    let prefix = document(&run(dir, &["compare", "after", "shorter", "--format", "json"]).1);
+    let prefix = document(&rockproof_in(dir, &["compare", "after", "shorter", "--format", "json"]).1);
     assert_eq!(
         (prefix["same_pairs"].as_u64(), trends(&prefix).iter().all(|trend| trend == "same")),
         (Some(64), true),
         "{prefix:#}"
     );
 
-    let (code, text, err) = run(dir, &["compare", "before", "after", "--format", "markdown", "--out", "page"]);
+    let (code, text, err) = rockproof_in(dir, &["compare", "before", "after", "--format", "markdown", "--out", "page"]);
     assert!(code == 0 && text.starts_with("## Rockproof: before → after") && text.contains("| new |"), "{text}{err}");
     let page = fs::read_to_string(dir.join("page/report.html")).expect("a page");
     assert!(page.contains("Which findings changed?") && dir.join("page/tables/changed.csv").is_file());
-    let (code, _, err) = run(dir, &["compare", "before", "after", "--out", "page"]);
+    let (code, _, err) = rockproof_in(dir, &["compare", "before", "after", "--out", "page"]);
     assert!(code == 2 && err.contains("--overwrite"), "{err}");
 }
 
@@ -100,16 +92,16 @@ fn other_pairs_are_compared_by_chance_and_what_one_run_has_is_left_out() {
     let dir = dir.path();
     campaign(dir, "one", "kinds", &["--pairs", "64"]);
     campaign(dir, "two", "kinds", &["--pairs", "64", "--seed", "2"]);
-    let (code, text, _) = run(dir, &["compare", "one", "two"]);
+    let (code, text, _) = rockproof_in(dir, &["compare", "one", "two"]);
     assert!(code == 0 && text.contains("different pairs") && text.contains("seed: 1 → 2"), "{text}");
-    let found = document(&run(dir, &["compare", "one", "two", "--format", "json"]).1);
+    let found = document(&rockproof_in(dir, &["compare", "one", "two", "--format", "json"]).1);
     assert_eq!(found["same_pairs"], Value::Null);
     let classes = found["findings"]["classes"].as_array().expect("classes");
     assert!(!classes.is_empty() && classes.iter().all(|class| class["chance"].is_number()), "{found:#}");
 
     let built_in = ["campaign", "--pairs", "32", "--family", "edge_cross", "--tolerances", "auto", "--out", "three"];
-    assert_eq!(run(dir, &built_in).0, 0);
-    let (code, text, _) = run(dir, &["compare", "one", "three", "--deny", "new"]);
+    assert_eq!(rockproof_in(dir, &built_in).0, 0);
+    let (code, text, _) = rockproof_in(dir, &["compare", "one", "three", "--deny", "new"]);
     assert!(code == 1 && text.contains("nothing is known") && text.contains("engine mine"), "{code}: {text}");
 }
 
@@ -119,7 +111,7 @@ fn a_code_that_says_only_how_blocks_lie_is_as_often_right_as_its_answers() {
     let dir = dir.path();
     campaign(dir, "before", "apart", &["--pairs", "128"]);
     campaign(dir, "after", "apart", &["--pairs", "128"]);
-    let found = document(&run(dir, &["compare", "before", "after", "--format", "json", "--out", "page"]).1);
+    let found = document(&rockproof_in(dir, &["compare", "before", "after", "--format", "json", "--out", "page"]).1);
     let of_mine: Vec<&Value> = found["agreement"]
         .as_array()
         .expect("shares")
@@ -130,7 +122,7 @@ fn a_code_that_says_only_how_blocks_lie_is_as_often_right_as_its_answers() {
     let (before, after) = (of_mine[0]["before"][0].as_f64(), of_mine[0]["after"][0].as_f64());
     assert!(before > Some(0.0) && before == after, "{found:#}");
     // What it does not take is no column of the map by family, and not the first finding to look at while there are others.
-    assert_eq!(run(dir, &["report", "before"]).0, 0);
+    assert_eq!(rockproof_in(dir, &["report", "before"]).0, 0);
     let chart = fs::read_to_string(dir.join("before/report/charts/families.svg")).expect("a chart");
     assert!(chart.contains("mine, arithmetic") && !chart.contains(">mine<"), "{chart}");
     let worst = fs::read_to_string(dir.join("before/report/tables/worst.csv")).expect("a table");
@@ -145,13 +137,13 @@ fn what_is_no_finished_campaign_is_refused() {
     campaign(dir, "run", "kinds", &["--pairs", "32"]);
     fs::create_dir(dir.join("empty")).expect("a folder");
     for (other, wanted) in [("empty", "an empty directory"), ("nowhere", "no such directory")] {
-        let (code, out, err) = run(dir, &["compare", "run", other]);
+        let (code, out, err) = rockproof_in(dir, &["compare", "run", other]);
         assert!(code == 2 && out.is_empty() && err.contains(wanted), "{err}");
     }
     let file = dir.join("run/run.json");
     let text = fs::read_to_string(&file).expect("a file");
     fs::write(&file, text.replace("\"finished\": true", "\"finished\": false")).expect("write");
-    let (code, _, err) = run(dir, &["compare", "run", "run"]);
+    let (code, _, err) = rockproof_in(dir, &["compare", "run", "run"]);
     assert!(code == 2 && err.contains("not finished (32 pairs are done)"), "{err}");
 }
 
@@ -159,8 +151,9 @@ fn what_is_no_finished_campaign_is_refused() {
 fn a_quiet_command_says_nothing_but_its_result_and_a_verbose_one_its_cost() {
     let dir = tempfile::tempdir().expect("a folder");
     campaign(dir.path(), "run", "kinds", &["--pairs", "32"]);
-    let page =
-        |more: &[&str]| run(dir.path(), &[&["compare", "run", "run", "--out", "page", "--overwrite"], more].concat());
+    let page = |more: &[&str]| {
+        rockproof_in(dir.path(), &[&["compare", "run", "run", "--out", "page", "--overwrite"], more].concat())
+    };
     let [plain, quiet, verbose] = [page(&[]), page(&["-q"]), page(&["-v"])];
     assert!(plain.2.contains("written to"), "{}", plain.2);
     assert_eq!((quiet.0, quiet.1, quiet.2.as_str()), (0, plain.1, ""));
@@ -169,13 +162,13 @@ fn a_quiet_command_says_nothing_but_its_result_and_a_verbose_one_its_cost() {
         "{}",
         verbose.2
     );
-    assert_eq!(run(dir.path(), &["-q", "compare", "run", "nowhere"]).2.lines().count(), 1, "errors are told");
+    assert_eq!(rockproof_in(dir.path(), &["-q", "compare", "run", "nowhere"]).2.lines().count(), 1, "errors are told");
 }
 
 #[test]
 fn shells_and_man_know_every_command() {
     let dir = tempfile::tempdir().expect("a folder");
-    let help = run(dir.path(), &["--help"]).1;
+    let help = rockproof_in(dir.path(), &["--help"]).1;
     let commands: Vec<&str> = help
         .lines()
         .skip_while(|line| !line.starts_with("Commands:"))
@@ -186,10 +179,10 @@ fn shells_and_man_know_every_command() {
         .collect();
     assert!(commands.len() >= 15, "{help}");
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        let (code, text, _) = run(dir.path(), &["completions", shell]);
+        let (code, text, _) = rockproof_in(dir.path(), &["completions", shell]);
         assert!(code == 0 && commands.iter().all(|command| text.contains(command)), "{shell}");
     }
-    let (code, _, err) = run(dir.path(), &["man", "man1"]);
+    let (code, _, err) = rockproof_in(dir.path(), &["man", "man1"]);
     assert_eq!(code, 0, "{err}");
     for command in commands {
         let text = fs::read_to_string(dir.path().join(format!("man1/rockproof-{command}.1"))).expect(command);

@@ -4,39 +4,19 @@
 
 use crate::engines::client;
 use crate::gates::{around, gate};
+use crate::place::rockproof_in;
+use crate::processes::{begin, signal, until};
 use assert_cmd::Command;
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::Child;
 use std::time::{Duration, Instant};
-
-/// The program in a folder, in the background.
-fn start(dir: &Path, arguments: &[&str]) -> Child {
-    std::process::Command::new(assert_cmd::cargo::cargo_bin("rockproof"))
-        .args(arguments)
-        .current_dir(dir)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("starts")
-}
-
-fn signal(child: &Child, name: &str) {
-    let sent = std::process::Command::new("kill").args([format!("-{name}"), child.id().to_string()]).status();
-    assert!(sent.is_ok_and(|status| status.success()), "{name}");
-}
 
 /// The numbers of processes in a file, once there is one.
 fn numbers(file: &Path) -> Vec<String> {
-    let begin = Instant::now();
-    loop {
-        let text = fs::read_to_string(file).unwrap_or_default();
-        if text.ends_with('\n') {
-            return text.lines().map(str::to_owned).collect();
-        }
-        assert!(begin.elapsed() < Duration::from_secs(60), "no engine was started");
-        std::thread::sleep(Duration::from_millis(20));
-    }
+    let text = || fs::read_to_string(file).unwrap_or_default();
+    until("no engine was started", || text().ends_with('\n'));
+    text().lines().map(str::to_owned).collect()
 }
 
 /// Whether a process still runs after the moment that a kill may take; what has ended and is not reaped does not.
@@ -114,7 +94,7 @@ fn a_signal_ends_hanging_engines_at_once() {
         if arguments[0] != "gate" {
             all.extend(["--engine-command", &engine]);
         }
-        let child = start(dir, &all);
+        let child = begin(dir, &all);
         numbers(&dir.join("numbers"));
         if *command == midway {
             // Into the first chunk, where a third of the questions is never answered.
@@ -134,14 +114,6 @@ fn a_signal_ends_hanging_engines_at_once() {
     });
 }
 
-/// Runs the program; exit code, stdout and stderr.
-fn rockproof(dir: &Path, arguments: &[&str]) -> (i32, String, String) {
-    let mut command = Command::cargo_bin("rockproof").expect("the program");
-    let output = command.current_dir(dir).args(arguments).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
-
 #[test]
 fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     let dir = tempfile::tempdir().expect("a folder");
@@ -149,7 +121,7 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     let engine = format!("mine={} second", client());
     let campaign =
         ["campaign", "--pairs", "64", "--family", "face_stack", "--engine", "mine", "--engine-command", &engine];
-    let (code, out, err) = rockproof(dir, &[&campaign[..], &["--out", "run", "--deny", "crash"]].concat());
+    let (code, out, err) = rockproof_in(dir, &[&campaign[..], &["--out", "run", "--deny", "crash"]].concat());
     assert!(code == 0 && out.contains("were answered by a fresh process"), "{out}{err}");
     let table = fs::read_to_string(dir.join("run/engines.csv")).expect("engines.csv");
     let row: Vec<&str> = table.lines().nth(1).expect("a row").split(',').collect();
@@ -158,9 +130,9 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     assert!(recovered > 60 && asked >= 2 * recovered, "{table}");
     // Sums go on where a run does.
     let more = campaign.map(|word| if word == "64" { "128" } else { word });
-    let (code, _, err) = rockproof(dir, &[&more[..], &["--out", "part", "--deny", "recovered"]].concat());
+    let (code, _, err) = rockproof_in(dir, &[&more[..], &["--out", "part", "--deny", "recovered"]].concat());
     assert!(code == 1 && err.contains("recovered"), "{err}");
-    let (code, out, err) = rockproof(dir, &["report", "run", "--out", "page"]);
+    let (code, out, err) = rockproof_in(dir, &["report", "run", "--out", "page"]);
     assert!(code == 0 && out.contains("were answered by a fresh process"), "{out}{err}");
 
     let gated = |limit: &str| gate(dir, &around(&[&client(), "second"], limit), &[], true);
@@ -185,11 +157,11 @@ fn what_an_engine_says_is_shown_and_not_done() {
     let engine = format!("mine={} escape", client());
     let campaign =
         ["campaign", "--pairs", "64", "--family", "edge_cross", "--engine", "mine", "--engine-command", &engine];
-    let (code, out, err) = rockproof(dir, &[&campaign[..], &["--out", "run"]].concat());
+    let (code, out, err) = rockproof_in(dir, &[&campaign[..], &["--out", "run"]].concat());
     assert_eq!(code, 0, "{out}{err}");
     let mut cases = fs::read_dir(dir.join("run/cases")).expect("cases").map(|case| case.expect("a case").path());
     let case = cases.find(|case| case.to_string_lossy().contains("unsupported")).expect("a case of it");
-    let (code, out, err) = rockproof(dir, &["replay", &case.to_string_lossy(), "--engine-command", &engine]);
+    let (code, out, err) = rockproof_in(dir, &["replay", &case.to_string_lossy(), "--engine-command", &engine]);
     assert_eq!(code, 0, "{out}{err}");
     assert!(out.contains("mine gave no answer: unsupported: \\u{1b}[31mred\\n::error::\\0"), "{out}");
     let noted = fs::read_to_string(&case).expect("a case");

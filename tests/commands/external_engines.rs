@@ -2,6 +2,7 @@
 //! finding and never the end of the run; threads and resuming change nothing; nonsense never panics.
 
 use crate::engines::{client, cpp_client, example, skipped, there};
+use crate::place::rockproof;
 use assert_cmd::Command;
 use proptest::prelude::*;
 use rockproof_differential::engine::EngineFailure;
@@ -10,11 +11,6 @@ use rockproof_model::Topology;
 use std::fs;
 use std::path::Path;
 
-fn rockproof(args: &[&str]) -> (i32, String) {
-    let output = Command::cargo_bin("rockproof").expect("the program").args(args).output().expect("runs");
-    (output.status.code().expect("a code"), String::from_utf8_lossy(&output.stderr).into_owned())
-}
-
 /// Runs a campaign with one external engine alone and gives the rows about it.
 fn rows(dir: &Path, name: &str, command: &str, more: &[&str]) -> Vec<Vec<String>> {
     let out = dir.join(name);
@@ -22,7 +18,7 @@ fn rows(dir: &Path, name: &str, command: &str, more: &[&str]) -> Vec<Vec<String>
     let mut args = vec!["campaign", "--pairs", "256", "--family", "face_stack,edge_cross", "--engine-command", &engine];
     args.extend(["--out", &out_text]);
     args.extend(more);
-    let (code, err) = rockproof(&args);
+    let (code, _, err) = rockproof(&args);
     assert_eq!(code, 0, "{name}: {err}");
     findings(&out, "mine")
 }
@@ -200,7 +196,7 @@ fn an_engine_that_never_answers_is_told_of_at_once() {
         ("mine", "NAME=COMMAND"),
         ("stepper-f32=true", "none of any"),
     ] {
-        let (code, err) = rockproof(&["campaign", "--pairs", "16", "--out", "unused", "--engine-command", command]);
+        let (code, _, err) = rockproof(&["campaign", "--pairs", "16", "--out", "unused", "--engine-command", command]);
         assert!(code == 2 && err.contains(told), "{command}: {code} {err}");
     }
     assert!(!Path::new("unused").exists());

@@ -1,19 +1,13 @@
 //! Pins `--format json`: one document on stdout, messages elsewhere, and the values of the table that it stands for.
 
-use assert_cmd::cargo::cargo_bin_cmd;
+use crate::place::rockproof_in;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// Exit code and standard output of `rockproof …`, run in `place`.
-fn rockproof(place: &Path, args: &[&str]) -> (i32, String) {
-    let output = cargo_bin_cmd!("rockproof").current_dir(place).args(args).output().expect("runs");
-    (output.status.code().expect("a code"), String::from_utf8(output.stdout).expect("UTF-8"))
-}
-
 /// The document that a command prints, and nothing else.
 fn document(place: &Path, expected: i32, args: &[&str]) -> Value {
-    let (code, out) = rockproof(place, &[args, &["--format", "json"]].concat());
+    let (code, out, _) = rockproof_in(place, &[args, &["--format", "json"]].concat());
     assert_eq!(code, expected, "{args:?}: {out}");
     assert!(out.ends_with("}\n"), "{out}");
     serde_json::from_str(&out).unwrap_or_else(|e| panic!("{args:?}: {e}: {out}"))
@@ -28,7 +22,7 @@ fn check_says_the_same_to_programs() {
     let place = tempfile::tempdir().expect("a directory");
     let file = model("slope_joints.dda");
     let args = ["check", &file, "--tolerances", "shi"];
-    let (code, text) = rockproof(place.path(), &args);
+    let (code, text, _) = rockproof_in(place.path(), &args);
     let found = document(place.path(), code, &args);
     for name in ["blocks", "fixed", "concave", "vertices", "edges", "faces"] {
         let line = format!("\n  {name:<9} {:>12}\n", found[name].as_u64().expect("a count"));
@@ -73,7 +67,7 @@ fn campaigns_and_gates_say_the_same_to_programs() {
 
     let gate = "corpus = []\n[campaign]\npairs = 64\nfamilies = [\"sliver\"]\n[[limit]]\ncause = \"defect\"\ncount = 0\n[[limit]]\ncause = \"tolerance\"\ncount = 0\n";
     fs::write(place.path().join("gate.toml"), gate).expect("write");
-    let (_, text) = rockproof(place.path(), &["gate", "gate.toml"]);
+    let (_, text, _) = rockproof_in(place.path(), &["gate", "gate.toml"]);
     let found = document(place.path(), 1, &["gate", "gate.toml"]);
     let checks = found["checks"].as_array().expect("checks");
     assert!(
@@ -113,7 +107,7 @@ fn a_search_says_the_same_to_programs() {
     let place = tempfile::tempdir().expect("a directory");
     let file = model("smallEdge.dda");
     let args = ["tune", &file, "--candidates", "3", "--steps", "4", "--out", "found"];
-    let (code, out) = rockproof(place.path(), &[&args[..], &["--format", "json"]].concat());
+    let (code, out, _) = rockproof_in(place.path(), &[&args[..], &["--format", "json"]].concat());
     let found: Value = serde_json::from_str(&out).unwrap_or_else(|e| panic!("{e}: {out}"));
     assert_eq!((code == 0, &found["candidates"]), (found["clean"] == true, &Value::from(3)));
     let set = place.path().join("found/tolerances.toml").display().to_string();
@@ -123,7 +117,7 @@ fn a_search_says_the_same_to_programs() {
 
 /// The document of a command, run in the folder of the project, and its exit code.
 fn answer(args: &[&str]) -> (i32, Value) {
-    let (code, out) = rockproof(Path::new(env!("CARGO_MANIFEST_DIR")), &[args, &["--format", "json"]].concat());
+    let (code, out, _) = rockproof_in(Path::new(env!("CARGO_MANIFEST_DIR")), &[args, &["--format", "json"]].concat());
     (code, serde_json::from_str(&out).unwrap_or_else(|e| panic!("{args:?}: {e}: {out}")))
 }
 
@@ -163,7 +157,7 @@ fn runs_say_the_same_to_programs() {
 #[test]
 fn a_replayed_case_says_the_same_to_programs() {
     let case = "cases/regressions/v-e-arithmetic-foot-region.toml";
-    let (_, text) = rockproof(Path::new(env!("CARGO_MANIFEST_DIR")), &["replay", case]);
+    let (_, text, _) = rockproof_in(Path::new(env!("CARGO_MANIFEST_DIR")), &["replay", case]);
     let (code, found) = answer(&["replay", case]);
     assert!(code == 0 && found["recurs"] == true && found["exact_answer_as_recorded"] == true, "{found}");
     assert!(found["finding"]["cause"] == "arithmetic" && found["finding"]["predicate"] == "foot-region");
@@ -185,7 +179,7 @@ fn a_replayed_case_says_the_same_to_programs() {
 #[test]
 fn a_replayed_step_says_the_same_to_programs() {
     let case = "fuzz/corpus/state/step_000002.json";
-    let (code, text) = rockproof(Path::new(env!("CARGO_MANIFEST_DIR")), &["replay", case]);
+    let (code, text, _) = rockproof_in(Path::new(env!("CARGO_MANIFEST_DIR")), &["replay", case]);
     let (same, found) = answer(&["replay", case]);
     assert!(code == same && found["step"] == 2);
     assert_eq!(found["recurs"] == true, text.contains("the finding recurs"));

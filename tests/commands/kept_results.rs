@@ -2,12 +2,13 @@
 //! disturbed.
 #![cfg(target_os = "linux")]
 
+use crate::campaigns;
 use crate::engines::client;
+use crate::processes::{signal, until};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
 const SETTINGS: &str = "pairs = 256\nchunk = 32\nfamilies = [\"face_stack\", \"edge_cross\"]\nsteps_every = 0\n";
 
@@ -24,27 +25,17 @@ fn campaign(dir: &Path, out: &str, more: &[&str]) -> Command {
 
 /// Every file of a run that depends on its settings alone.
 fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
-    let read = |folder: &Path| -> Vec<(String, Vec<u8>)> {
-        let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
-        let files = entries.filter(|path| path.is_file());
-        files
-            .map(|path| (path.strip_prefix(run).expect("within").display().to_string(), fs::read(&path).expect("read")))
-            .collect()
-    };
-    let all = read(run).into_iter().chain(read(&run.join("cases")));
+    let mut found = campaigns::files(run, "");
     // Times, and what depends on them.
     let own = ["run.json", "progress.json", "rockproof.manifest.json"];
-    all.filter(|(name, _)| !own.contains(&name.as_str())).collect()
+    found.retain(|name, _| !own.contains(&name.as_str()));
+    found
 }
 
 /// Waits for the first chunks of a run.
 fn begun(run: &Path) {
-    let begin = Instant::now();
     let size = || fs::metadata(run.join("findings.csv")).map_or(0, |about| about.len());
-    while size() < 4096 {
-        assert!(begin.elapsed() < Duration::from_secs(120), "nothing was found");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    until("nothing was found", || size() >= 4096);
 }
 
 #[test]
@@ -65,13 +56,12 @@ fn killed_interrupted_and_out_of_room_it_goes_on_to_the_same_bytes() {
         }
     };
 
-    for (run, signal) in [("killed", "KILL"), ("interrupted", "INT")] {
+    for (run, name) in [("killed", "KILL"), ("interrupted", "INT")] {
         let mut child = campaign(dir, run, &[]).spawn().expect("starts");
         begun(&dir.join(run));
-        let sent = Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
-        assert!(sent.is_ok_and(|status| status.success()));
+        signal(&child, name);
         let code = child.wait().expect("ends").code();
-        assert!(code == if signal == "INT" { Some(130) } else { None } || code == Some(0), "{run}: {code:?}");
+        assert!(code == if name == "INT" { Some(130) } else { None } || code == Some(0), "{run}: {code:?}");
         goes_on(run);
     }
 

@@ -12,6 +12,8 @@ mod mistaken_engine;
 mod mistakes;
 #[path = "../support/place.rs"]
 mod place;
+#[path = "../support/processes.rs"]
+mod processes;
 
 mod bad_input;
 mod bench_command;

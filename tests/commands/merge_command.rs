@@ -3,6 +3,7 @@
 
 use crate::campaigns::{Campaigns, SETTINGS, files};
 use crate::engines::client;
+use crate::processes::{begin, until};
 use std::fs;
 use std::path::Path;
 
@@ -58,20 +59,12 @@ fn a_part_that_was_killed_goes_on_to_the_same_bytes() {
     let place = Campaigns::new(&settings);
     place.campaign("whole", &[]);
     let arguments = ["campaign", "campaign.toml", "--part", "2/2", "--out", "part2", "--threads", "1"];
-    let mut killed = std::process::Command::new(assert_cmd::cargo::cargo_bin("rockproof"))
-        .current_dir(place.at(""))
-        .args(arguments)
-        .stdout(std::process::Stdio::null())
-        .spawn()
-        .expect("starts");
-    let begun = std::time::Instant::now();
+    let mut killed = begin(&place.at(""), &arguments);
     let committed = || {
         let text = fs::read_to_string(place.at("part2/progress.json")).unwrap_or_default();
         !text.is_empty() && !text.contains("\"pairs_done\":0,")
     };
-    while !committed() && begun.elapsed().as_secs() < 120 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
+    until("a chunk is written", committed);
     killed.kill().expect("killed");
     killed.wait().expect("ended");
     let torn = place.at("part2/findings.csv");

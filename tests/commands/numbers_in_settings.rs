@@ -1,7 +1,7 @@
 //! No number in a file of settings is taken that means nothing: each key of gates, campaigns, grids, engines and tolerances is tried with what is
 //! no finite number or below 0. A limit beside NaN would hold whatever is found.
 
-use crate::untrusted_input::rockproof;
+use crate::place::rockproof_in;
 use std::fs;
 
 /// What stands in place of a number.
@@ -90,7 +90,7 @@ fn no_number_means_nothing() {
     let refused = |text: &str, key: &str, arguments: &[&str]| {
         let file = "settings.toml";
         fs::write(dir.join(file), text).expect("write");
-        let (code, out, err) = rockproof(dir, arguments);
+        let (code, out, err) = rockproof_in(dir, arguments);
         assert!(code == 2 && err.contains(file) && err.contains(key), "{text}: {code}: {out}{err}");
     };
     for (text, keys, arguments) in SORTS {
@@ -160,7 +160,7 @@ fn a_chunk_is_bounded() {
                 &["campaign", "settings.toml", "--part", "1/2", "--out", "run"],
                 &["gate", "gate.toml", "--out", "run"],
             ] {
-                let (code, out, err) = rockproof(dir, arguments);
+                let (code, out, err) = rockproof_in(dir, arguments);
                 let said = err.contains(arguments[1])
                     && err.contains(&format!("chunk is {chunk}; allowed are at most 65536 pairs"));
                 assert!(code == 2 && said, "{arguments:?}: {code}: {out}{err}");
@@ -169,6 +169,6 @@ fn a_chunk_is_bounded() {
     }
     assert!(!dir.join("run").exists(), "nothing is written");
     fs::write(dir.join("settings.toml"), "pairs = 16\nchunk = 65536\n").expect("write");
-    let (code, out, err) = rockproof(dir, &["campaign", "settings.toml", "--family", "sliver", "--out", "run"]);
+    let (code, out, err) = rockproof_in(dir, &["campaign", "settings.toml", "--family", "sliver", "--out", "run"]);
     assert_eq!(code, 0, "{out}{err}");
 }

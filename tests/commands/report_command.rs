@@ -1,14 +1,9 @@
 //! Pins what `report` reads, writes and refuses.
 
+use crate::place::rockproof;
 use std::fs;
 use std::path::Path;
 use std::sync::OnceLock;
-
-pub(crate) fn rockproof(args: &[&str]) -> (i32, String, String) {
-    let output = assert_cmd::Command::cargo_bin("rockproof").expect("built").args(args).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
 
 /// A small campaign, made once.
 pub(crate) fn run() -> &'static Path {

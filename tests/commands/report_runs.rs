@@ -1,6 +1,7 @@
 //! Pins what `report` says of runs that made no step, and of a run that is named twice.
 
-use crate::report_command::{rockproof, run};
+use crate::place::rockproof;
+use crate::report_command::run;
 
 #[test]
 fn where_no_step_was_made_nothing_is_said_of_overlaps() {

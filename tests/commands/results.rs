@@ -1,8 +1,10 @@
 //! Pins what every command promises of a directory of results: nobody else's file is touched, one process at a time works there, and
 //! nothing damaged is gone on from.
 
+use crate::campaigns::files;
+use crate::place::rockproof_in;
+use crate::processes::{begin, until};
 use assert_cmd::Command;
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -40,36 +42,22 @@ impl WorkDir {
     }
 
     fn run(&self, arguments: &[&str]) -> (i32, String) {
-        let mut command = Command::cargo_bin("rockproof").expect("the program");
-        let output = command.current_dir(self.0.path()).args(arguments).output().expect("runs");
-        (output.status.code().expect("a code"), String::from_utf8_lossy(&output.stderr).into_owned())
+        let (code, _, err) = rockproof_in(self.0.path(), arguments);
+        (code, err)
     }
 
     /// The command must fail as one that is misused, say all of `wanted`, and change no file.
     fn refuses(&self, arguments: &[&str], wanted: &[&str]) {
-        let before = files(self.0.path());
+        let before = files(self.0.path(), "");
         let (code, err) = self.run(arguments);
         assert!(code == 2 && wanted.iter().all(|part| err.contains(part)), "{arguments:?}: {code}: {err}");
-        assert!(files(self.0.path()) == before, "{arguments:?} changed a file");
+        assert!(files(self.0.path(), "") == before, "{arguments:?} changed a file");
     }
 
     fn works(&self, arguments: &[&str]) {
         let (code, err) = self.run(arguments);
         assert!(code < 2, "{arguments:?}: {err}");
     }
-}
-
-/// Every file with its bytes.
-fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in fs::read_dir(dir).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        match path.is_dir() {
-            true => found.extend(files(&path)),
-            false => drop(found.insert(path.clone(), fs::read(&path).expect("a file"))),
-        }
-    }
-    found
 }
 
 /// Flips the lowest bit of a byte in the middle of the file.
@@ -187,17 +175,9 @@ fn other_peoples_files_are_named_and_left_alone() {
 #[test]
 fn a_second_process_is_told_who_works_there() {
     let place = WorkDir::new();
-    let mut first = std::process::Command::new(assert_cmd::cargo::cargo_bin("rockproof"))
-        .current_dir(place.0.path())
-        .args(["campaign", "--pairs", "100000000", "--out", "run"])
-        .stderr(std::process::Stdio::null())
-        .spawn()
-        .expect("starts");
+    let mut first = begin(place.0.path(), &["campaign", "--pairs", "100000000", "--out", "run"]);
     let manifest = place.at("run/rockproof.manifest.json");
-    let begun = std::time::Instant::now();
-    while !manifest.exists() && begun.elapsed().as_secs() < 60 {
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
+    until("it has begun", || manifest.exists());
     let second = [&SLIVERS[..], &["--out", "run", "--overwrite"]].concat();
     let (code, err) = place.run(&second);
     first.kill().expect("killed");

@@ -1,32 +1,17 @@
 //! A second Ctrl-C, or TERM or HUP, ends the program at once, whatever the first waits for: a step, a candidate, a pair.
 #![cfg(unix)]
 
+use crate::processes::{signal, until};
 use std::fmt::Write;
 use std::fs::{self, File};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// What each command works at does not end within this time after the first signal.
 const WAITS: Duration = Duration::from_secs(3);
 /// What "at once" may take on a busy machine; less than the first signal was waited for.
 const AT_ONCE: Duration = Duration::from_secs(2);
-/// What a beginning may take.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-fn signal(child: &Child, name: &str) {
-    let sent = Command::new("kill").args([format!("-{name}"), child.id().to_string()]).status();
-    assert!(sent.is_ok_and(|status| status.success()), "{name}");
-}
-
-/// Waits until something is so.
-fn until(what: &str, so: impl Fn() -> bool) {
-    let begin = Instant::now();
-    while !so() {
-        assert!(begin.elapsed() < PATIENCE, "{what}");
-        std::thread::sleep(Duration::from_millis(10));
-    }
-}
 
 /// Sends both signals to a command whose work takes much longer than the test.
 fn ends_at_the_second(dir: &Path, command: &[&str], [first, second]: [&str; 2]) {

@@ -2,6 +2,8 @@
 
 use crate::engines::built_example;
 use crate::place::Place;
+#[cfg(unix)]
+use crate::processes::{signal, until};
 use rockproof_campaign::pairs::PairConfig;
 use rockproof_model::Contact;
 use rockproof_results::Start;
@@ -151,13 +153,9 @@ fn ctrl_c_keeps_what_is_done_and_says_how_to_go_on() {
         let state: Value = serde_json::from_str(&state).unwrap_or_default();
         state["pairs_done"].as_u64().unwrap_or(0)
     };
-    let begun = std::time::Instant::now();
-    while done() == 0 && begun.elapsed().as_secs() < 120 && child.try_wait().expect("a child").is_none() {
-        std::thread::sleep(std::time::Duration::from_millis(50));
-    }
+    until("a first chunk is done", || done() > 0 || child.try_wait().expect("a child").is_some());
     let before = done();
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(killed.is_ok_and(|status| status.success()));
+    signal(&child, "INT");
     let output = child.wait_with_output().expect("ends");
     let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert_eq!(output.status.code(), Some(130), "{out}{err}");

@@ -1,12 +1,13 @@
 //! Pins the command `simulate`: what it writes, what it refuses and why, that a run killed or interrupted resumes with
 //! byte-identical files, and that one which cannot go on says so and keeps its last good state.
 
-use assert_cmd::cargo::cargo_bin_cmd;
+use crate::campaigns::files;
+use crate::place::Place;
+use crate::processes::{begin, signal, until};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::path::Path;
+use std::process::Child;
 
 /// Blocks that fall on a floor, askew and one on the other: they hit, slide and come to rest.
 const FALL: &str = r#"
@@ -60,27 +61,10 @@ at = [0.5, 0.5, 0.5]
 table = [[0, 0, 0, 0], [0.1, 0, 0, 0], [0.11, 1e12, 0, 0]]
 "#;
 
-struct WorkDir(tempfile::TempDir);
-
-impl WorkDir {
-    fn new() -> WorkDir {
-        WorkDir(tempfile::tempdir().expect("a directory"))
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn file(&self, name: &str, text: &str) {
-        fs::write(self.path(name), text).expect("write");
-    }
-
+impl Place {
     /// Exit code, standard output and standard error of `rockproof simulate …`, run here.
     fn simulate(&self, args: &[&str]) -> (i32, String, String) {
-        let mut command = cargo_bin_cmd!("rockproof");
-        let output = command.current_dir(self.0.path()).arg("simulate").args(args).output().expect("runs");
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-        (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+        self.run(&[&["simulate"], args].concat())
     }
 
     fn finishes(&self, args: &[&str]) -> String {
@@ -90,32 +74,20 @@ impl WorkDir {
     }
 
     fn begin(&self, args: &[&str]) -> Child {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_rockproof"));
-        command.current_dir(self.0.path()).arg("simulate").args(args).stdout(Stdio::null()).stderr(Stdio::null());
-        command.spawn().expect("starts")
+        begin(&self.path(""), &[&["simulate"], args].concat())
     }
 
     /// Waits until a run has written so many rows.
     fn wait_for_rows(&self, dir: &str, rows: usize) {
-        let (table, started) = (self.path(dir).join("steps.csv"), Instant::now());
-        while fs::read(&table).map_or(0, |text| text.iter().filter(|b| **b == b'\n').count()) <= rows {
-            assert!(started.elapsed() < Duration::from_secs(120), "no row {rows} in {}", table.display());
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        let table = self.path(dir).join("steps.csv");
+        let written = || fs::read(&table).map_or(0, |text| text.iter().filter(|b| **b == b'\n').count());
+        until(&format!("no row {rows} in {}", table.display()), || written() > rows);
     }
 
     /// All files of a run with their bytes, but those that tell of seconds.
     fn files(&self, dir: &str) -> BTreeMap<String, Vec<u8>> {
-        let mut found = BTreeMap::new();
-        for folder in [self.path(dir), self.path(dir).join("frames")] {
-            for entry in fs::read_dir(folder).expect("a folder") {
-                let path = entry.expect("an entry").path();
-                let name = path.strip_prefix(self.path(dir)).expect("inside").to_string_lossy().into_owned();
-                if path.is_file() && !["run.json", "checkpoint.jsonl"].contains(&name.as_str()) {
-                    found.insert(name, fs::read(&path).expect("a file"));
-                }
-            }
-        }
+        let mut found = files(&self.path(dir), "");
+        found.retain(|name, _| !["run.json", "checkpoint.jsonl"].contains(&name.as_str()));
         found
     }
 
@@ -130,7 +102,7 @@ fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
 
 #[test]
 fn a_run_leaves_tables_pictures_and_what_they_were_made_from() {
-    let place = WorkDir::new();
+    let place = Place::new();
     place.file("fall.toml", FALL);
     let out = place.finishes(&["fall.toml", "--contacts", "--every", "50"]);
     assert!(out.contains("120 steps") && out.contains("written to reports/simulate-fall: steps.csv"), "{out}");
@@ -168,7 +140,7 @@ fn a_run_leaves_tables_pictures_and_what_they_were_made_from() {
 
 #[test]
 fn options_choose_precision_length_and_place() {
-    let place = WorkDir::new();
+    let place = Place::new();
     place.file("fall.toml", FALL);
     let last = |dir: &str| rows(&place.path(dir).join("steps.csv")).pop().expect("a row");
     place.finishes(&["fall.toml", "--steps", "7", "--out", "steps"]);
@@ -207,7 +179,7 @@ fn options_choose_precision_length_and_place() {
 /// What steps leave out changes no byte, and a run may go on with another choice.
 #[test]
 fn what_steps_leave_out_changes_no_file() {
-    let place = WorkDir::new();
+    let place = Place::new();
     place.file("fall.toml", FALL);
     place.file("some.toml", &FALL.replace("settle = 2", "settle = 2\nskips = [\"blocks\", \"islands\"]"));
     place.finishes(&["fall.toml", "--contacts", "--out", "all"]);
@@ -223,7 +195,7 @@ fn what_steps_leave_out_changes_no_file() {
 
 #[test]
 fn mistakes_exit_with_2_and_say_where() {
-    let place = WorkDir::new();
+    let place = Place::new();
     place.file("fall.toml", FALL);
     place.file("endless.toml", &FALL.replace("steps = 120\n", ""));
     place.file("wrong.toml", &FALL.replace("settle = 2", "settle = -2"));
@@ -269,7 +241,7 @@ fn mistakes_exit_with_2_and_say_where() {
 
 #[test]
 fn violated_rules_stop_a_run_before_it_begins() {
-    let place = WorkDir::new();
+    let place = Place::new();
     place.file("fall.toml", FALL);
     let loose = ["fall.toml", "--steps", "2", "--set", "search=1/1000", "--out", "out"];
     let (code, out, err) = place.simulate(&loose);
@@ -289,7 +261,7 @@ fn violated_rules_stop_a_run_before_it_begins() {
 #[test]
 #[ignore = "ten seconds; .ci/run runs it"]
 fn a_killed_run_goes_on_to_the_same_bytes() {
-    let place = WorkDir::new();
+    let place = Place::new();
     place.file("fall.toml", FALL);
     for engine in ["f64", "f32"] {
         let args = |out| ["fall.toml", "--contacts", "--every", "7", "--engine", engine, "--out", out];
@@ -314,13 +286,12 @@ fn a_killed_run_goes_on_to_the_same_bytes() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_ends_in_good_order_and_goes_on() {
-    let place = WorkDir::new();
+    let place = Place::new();
     place.file("fall.toml", FALL);
     let args = |out| ["fall.toml", "--steps", "100000", "--every", "1000", "--out", out];
     let mut child = place.begin(&args("out"));
     place.wait_for_rows("out", 20);
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
-    assert!(sent.success());
+    signal(&child, "INT");
     assert_eq!(child.wait().expect("an end").code(), Some(130));
     let run = place.run_json("out");
     assert_eq!(run["ending"], "interrupted");
@@ -335,7 +306,7 @@ fn an_interrupted_run_ends_in_good_order_and_goes_on() {
 
 #[test]
 fn a_run_that_cannot_go_on_says_where_and_keeps_the_last_good_state() {
-    let place = WorkDir::new();
+    let place = Place::new();
     place.file("fast.toml", FAST);
     let (code, out, err) = place.simulate(&["fast.toml", "--out", "out"]);
     assert_eq!(code, 1, "{out}{err}");
@@ -355,7 +326,7 @@ fn a_run_that_cannot_go_on_says_where_and_keeps_the_last_good_state() {
 
 #[test]
 fn help_shows_examples() {
-    let help = WorkDir::new().finishes(&["--help"]);
+    let help = Place::new().finishes(&["--help"]);
     for told in ["rockproof simulate incline.toml --time 0.5", "--resume", "Exit status"] {
         assert!(help.contains(told), "{help}");
     }

@@ -1,14 +1,8 @@
 //! Pins `campaign --stress`: what it writes, that it is a function of seed and pairs alone, and that it produces byte-identical files.
 
-use assert_cmd::Command;
+use crate::place::rockproof;
 use std::fs;
 use std::path::Path;
-
-fn rockproof(args: &[&str]) -> (i32, String, String) {
-    let output = Command::cargo_bin("rockproof").expect("the program").args(args).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
 
 /// One batch for each of the 84 cells.
 const PAIRS: &str = "1344";

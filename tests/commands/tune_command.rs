@@ -1,15 +1,9 @@
 //! Pins `tune`: what it says and writes, that it produces byte-identical files, what it refuses, and that the reference is not stale.
 
-use assert_cmd::Command;
+use crate::place::rockproof;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-fn rockproof(args: &[&str]) -> (i32, String, String) {
-    let output = Command::cargo_bin("rockproof").expect("the program").args(args).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
 
 fn path(dir: &Path, name: &str) -> String {
     dir.join(name).to_string_lossy().into_owned()

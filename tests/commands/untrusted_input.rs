@@ -2,6 +2,7 @@
 //! terminal, a runner or a spreadsheet, no device is read to its end, and no file outside a run is opened.
 
 use crate::gates::gate;
+use crate::place::rockproof_in;
 use assert_cmd::Command;
 use std::fs;
 use std::path::Path;
@@ -9,16 +10,9 @@ use std::path::Path;
 pub(crate) const CASE: &str = include_str!("../../cases/regressions/f-v-arithmetic-vertex-face-depth.toml");
 const CUBES: &str = include_str!("../fixtures/two_cubes.obj");
 
-pub(crate) fn rockproof(dir: &Path, arguments: &[&str]) -> (i32, String, String) {
-    let mut command = Command::cargo_bin("rockproof").expect("the program");
-    let output = command.current_dir(dir).args(arguments).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
-}
-
 /// The arguments are refused, and the message holds each of the parts once.
 pub(crate) fn refused(dir: &Path, arguments: &[&str], parts: &[&str]) {
-    let (code, out, err) = rockproof(dir, arguments);
+    let (code, out, err) = rockproof_in(dir, arguments);
     assert_eq!(code, 2, "{arguments:?}: {out}{err}");
     for part in parts {
         assert_eq!(err.matches(part).count(), 1, "{arguments:?}: {part} once in {err}");
@@ -61,7 +55,7 @@ fn cases_are_checked_as_scenes_are() {
     }
     fs::write(dir.join("case.toml"), change(CASE, "origin = \"", "origin = \"\\u001b[31m\\n::error::b"))
         .expect("write");
-    let (code, out, err) = rockproof(dir, &["replay", "case.toml"]);
+    let (code, out, err) = rockproof_in(dir, &["replay", "case.toml"]);
     assert!(code == 0 && out.contains("from \\u{1b}[31m\\n::error::b"), "{out}{err}");
     assert!(!out.contains('\u{1b}'), "{out:?}");
 }
@@ -101,12 +95,12 @@ fn state_files_are_checked_and_open_no_other_file() {
     let dir = dir.path();
     fs::write(dir.join("slider.toml"), SLIDER).expect("write");
     let (code, out, err) =
-        rockproof(dir, &["simulate", "slider.toml", "--engine", "f32", "--lockstep", "--out", "run"]);
+        rockproof_in(dir, &["simulate", "slider.toml", "--engine", "f32", "--lockstep", "--out", "run"]);
     assert_eq!(code, 0, "{out}{err}");
     let measured = fs::read_to_string(dir.join("run/measured.csv")).expect("a table");
     assert!(measured.contains(",'=1+1,"), "no spreadsheet calculates it: {measured}");
     let (code, out, err) =
-        rockproof(dir, &["simulate", "slider.toml", "--engine", "exact", "--steps", "1", "--out", "exact"]);
+        rockproof_in(dir, &["simulate", "slider.toml", "--engine", "exact", "--steps", "1", "--out", "exact"]);
     assert_eq!(code, 0, "{out}{err}");
     let measured = fs::read_to_string(dir.join("exact/measured.csv")).expect("a table");
     assert!(measured.contains(",'=1+1,"), "no spreadsheet calculates it: {measured}");
@@ -119,7 +113,7 @@ fn state_files_are_checked_and_open_no_other_file() {
         fs::write(dir.join("state.json"), changed.to_string()).expect("write");
     };
     with(&["step"], value["step"].clone());
-    assert_eq!(rockproof(dir, &["replay", "state.json"]).0, 0, "unchanged");
+    assert_eq!(rockproof_in(dir, &["replay", "state.json"]).0, 0, "unchanged");
     let scene = value["scene"].as_str().expect("a scene");
     fs::write(dir.join("secret.obj"), CUBES).expect("write");
     let outside = format!("{scene}\n[[block]]\nfile = \"secret.obj\"\n");
@@ -165,7 +159,7 @@ fn messages_name_their_file_and_say_things_once() {
     ] {
         write(name, text);
         let place = format!("{name}:");
-        let (code, _, err) = rockproof(dir, &["campaign", name, "--out", "unused"]);
+        let (code, _, err) = rockproof_in(dir, &["campaign", name, "--out", "unused"]);
         assert!(code == 2 && err.contains(&place) && err.contains(part), "{name}: {err}");
     }
     refused(dir, &["classify", "two.obj", "--tolerances", "few.toml"], &["two.obj", "few.toml", "no preset is named"]);
@@ -231,7 +225,7 @@ fn messages_cut_long_values() {
     let long = "x".repeat(100_000);
     let write = |name: &str, text: &str| fs::write(dir.join(name), text).expect("write");
     let short = |arguments: &[&str], parts: &[&str]| {
-        let (code, out, err) = rockproof(dir, arguments);
+        let (code, out, err) = rockproof_in(dir, arguments);
         assert_eq!(code, 2, "{parts:?}: {} bytes", out.len() + err.len());
         assert!(err.len() < 4000, "{parts:?}: {} bytes", err.len());
         for part in parts {
@@ -321,8 +315,10 @@ fn no_device_is_read_to_its_end() {
 fn a_report_reads_nothing_outside_of_the_run() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
-    let (code, _, err) =
-        rockproof(dir, &["campaign", "--pairs", "64", "--family", "face_stack", "--steps-every", "0", "--out", "run"]);
+    let (code, _, err) = rockproof_in(
+        dir,
+        &["campaign", "--pairs", "64", "--family", "face_stack", "--steps-every", "0", "--out", "run"],
+    );
     assert_eq!(code, 0, "{err}");
     fs::write(dir.join("secret.toml"), CASE).expect("write");
     let table = fs::read_to_string(dir.join("run/findings.csv")).expect("findings");
@@ -343,7 +339,7 @@ fn a_report_reads_nothing_outside_of_the_run() {
         refused(dir, &["report", "run", "--out", "page"], &["link.toml", "outside of the run"]);
     }
     fs::write(dir.join("run/findings.csv"), &table).expect("write");
-    assert_eq!(rockproof(dir, &["report", "run", "--out", "page"]).0, 0, "unchanged");
+    assert_eq!(rockproof_in(dir, &["report", "run", "--out", "page"]).0, 0, "unchanged");
 }
 
 #[cfg(unix)]

@@ -2,7 +2,8 @@
 //! of reports show them, and no tolerance set is called so.
 
 use crate::gates::gate;
-use crate::untrusted_input::{CASE, change, refused, rockproof};
+use crate::place::rockproof_in;
+use crate::untrusted_input::{CASE, change, refused};
 use rockproof_model::text::{escaped, is_harmful};
 use serde_json::Value;
 use std::fs;
@@ -23,7 +24,7 @@ fn holds(document: &Value, text: &str) -> bool {
 
 /// What a command prints is one document, and a command to nobody.
 fn document(dir: &Path, arguments: &[&str]) -> Value {
-    let (code, out, err) = rockproof(dir, &[arguments, &["--format", "json"]].concat());
+    let (code, out, err) = rockproof_in(dir, &[arguments, &["--format", "json"]].concat());
     assert!(code < 2, "{arguments:?}: {code}: {out}{err}");
     let is_plain = |text: &str| {
         !text.contains(|c: char| is_harmful(c) && c != '\n' && c != '\t')
@@ -48,7 +49,7 @@ fn documents_hold_names_as_they_are() {
     let (run, other, merged) = (at("run"), at("other"), at("merged"));
     let campaign = ["campaign", "--pairs", "32", "--family", "sliver", "--tolerances", "auto", "--steps-every", "0"];
     for (number, out) in [("1/2", "half 1"), ("2/2", "half 2")] {
-        let (code, _, err) = rockproof(dir, &[&campaign[..], &["--part", number, "--out", &at(out)]].concat());
+        let (code, _, err) = rockproof_in(dir, &[&campaign[..], &["--part", number, "--out", &at(out)]].concat());
         assert_eq!(code, 0, "{err}");
     }
     let expected = "expected = [{ kind = \"v-v\", feature_a = 0, feature_b = 0, entrance = \"v-f\", entrance_a = 0, entrance_b = 0, gap_sign = 1 }]";
@@ -121,12 +122,12 @@ fn reports_show_the_names_of_runs() {
     let dir = dir.path();
     let (run, other) = (format!("run {NASTY}"), format!("other {NASTY}"));
     for out in [&run, &other] {
-        let (code, _, err) = rockproof(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", out]);
+        let (code, _, err) = rockproof_in(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", out]);
         assert_eq!(code, 0, "{err}");
     }
-    let (code, out, err) = rockproof(dir, &["report", &run, &other, "--title", NASTY, "--out", "page"]);
+    let (code, out, err) = rockproof_in(dir, &["report", &run, &other, "--title", NASTY, "--out", "page"]);
     assert_eq!(code, 0, "{out}{err}");
-    let (code, out, err) = rockproof(dir, &["compare", &run, &other, "--out", "compared"]);
+    let (code, out, err) = rockproof_in(dir, &["compare", &run, &other, "--out", "compared"]);
     assert_eq!(code, 0, "{out}{err}");
     let shown = escaped(&run);
     for (folder, least) in [("page", 8), ("compared", 1)] {

@@ -1,7 +1,8 @@
 //! Directories of results in which others put something else: what is no file is not waited for, and errors in tables name their line however
 //! lines end.
 
-use crate::untrusted_input::{refused, rockproof};
+use crate::place::rockproof_in;
+use crate::untrusted_input::refused;
 use std::fs;
 use std::path::Path;
 
@@ -11,7 +12,7 @@ use std::path::Path;
 fn a_pipe_in_a_directory_of_results_is_refused() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
-    let (code, out, err) = rockproof(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", "run"]);
+    let (code, out, err) = rockproof_in(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", "run"]);
     assert_eq!(code, 0, "{out}{err}");
     let pipe = |file: &Path| assert!(std::process::Command::new("mkfifo").arg(file).status().expect("runs").success());
     fs::create_dir(dir.join("locked")).expect("a folder");
@@ -40,7 +41,7 @@ fn a_pipe_in_a_directory_of_results_is_refused() {
 fn errors_in_tables_name_their_line_however_lines_end() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
-    let (code, out, err) = rockproof(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", "run"]);
+    let (code, out, err) = rockproof_in(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", "run"]);
     assert_eq!(code, 0, "{out}{err}");
     let file = dir.join("run/findings.csv");
     let table = fs::read_to_string(&file).expect("a table");
@@ -55,14 +56,14 @@ fn errors_in_tables_name_their_line_however_lines_end() {
             });
             fs::write(&file, changed.collect::<String>()).expect("write");
             refused(dir, &["report", "run", "--out", "page"], &[&format!("findings.csv: line {line}:")]);
-            let (code, _, err) = rockproof(dir, &["compare", "run", "run"]);
+            let (code, _, err) = rockproof_in(dir, &["compare", "run", "run"]);
             assert!(
                 code == 2 && err.contains(&format!("line: {line}")) || err.contains(&format!("line {line}")),
                 "{err}"
             );
         }
         fs::write(&file, table.replace('\n', end)).expect("write");
-        let (code, out, err) = rockproof(dir, &["report", "run", "--out", "page", "--overwrite"]);
+        let (code, out, err) = rockproof_in(dir, &["report", "run", "--out", "page", "--overwrite"]);
         assert_eq!(code, 0, "{end:?}: {out}{err}");
     }
 }

@@ -14,7 +14,7 @@ use rockproof_differential::lockstep::{ComparedLinks, ExactScene, Intrusion, Loc
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
 use rockproof_model::scene::SceneBlock;
-use rockproof_model::{Block, Criteria, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
+use rockproof_model::{Block, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage};
 use rockproof_stepper::contact::SpecRules;
 use std::collections::BTreeMap;
@@ -118,14 +118,9 @@ fn blade(search: &str) -> (Scene, ToleranceSet) {
         search: n(search),
         territory: n("1/128"),
         penetration: n("1/128"),
-        overlap_sine: n("0"),
-        parallel_sine: n("0"),
-        equal: n("0"),
-        open: n("0"),
-        close: n("0"),
         max_displacement: n("1"),
         max_rotation: n("1/8"),
-        criteria: Criteria::Revised,
+        ..ToleranceSet::ZERO
     };
     (scene, set)
 }

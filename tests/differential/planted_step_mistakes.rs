@@ -5,7 +5,7 @@ use crate::side_by_side_step::first_difference;
 use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
 use rockproof_model::scene::{SceneBlock, SceneFormat};
 use rockproof_model::simulation::{PointLoad, Unconverged};
-use rockproof_model::{Block, Criteria, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
+use rockproof_model::{Block, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
 use std::path::Path;
 
 fn n(text: &str) -> Number {
@@ -23,12 +23,9 @@ fn tolerances() -> ToleranceSet {
         penetration: n("1/16"),
         overlap_sine: n("1/16"),
         parallel_sine: n("1/16"),
-        equal: n("0"),
-        open: n("0"),
-        close: n("0"),
         max_displacement: n("1/16"),
         max_rotation: n("1/8"),
-        criteria: Criteria::Revised,
+        ..ToleranceSet::ZERO
     }
 }
 

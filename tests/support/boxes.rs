@@ -1,7 +1,7 @@
 //! Boxes and tolerances of small scenes.
 
 use rockproof_model::scene::SceneBlock;
-use rockproof_model::{Block, Criteria, Motion, Number, ToleranceSet, Vec3};
+use rockproof_model::{Block, Motion, Number, ToleranceSet, Vec3};
 
 pub(crate) fn n(text: &str) -> Number {
     Number::parse(text).unwrap()
@@ -15,12 +15,9 @@ pub(crate) fn tolerances() -> ToleranceSet {
         penetration: n("1/20"),
         overlap_sine: n("1/20"),
         parallel_sine: n("1/20"),
-        equal: n("0"),
-        open: n("0"),
-        close: n("0"),
         max_displacement: n("1/20"),
         max_rotation: n("1/10"),
-        criteria: Criteria::Revised,
+        ..ToleranceSet::ZERO
     }
 }
 

@@ -5,7 +5,7 @@ use assert_cmd::Command;
 use assert_cmd::cargo::cargo_bin_cmd;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The folder; it goes when the test ends.
 pub(crate) struct Place(tempfile::TempDir);
@@ -52,8 +52,22 @@ impl Place {
     }
 
     fn ran(&self, command: &mut Command, args: &[&str]) -> Ran {
-        let output = command.current_dir(self.0.path()).args(args).output().expect("runs");
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
-        (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
+        ran(command.current_dir(self.0.path()).args(args))
     }
+}
+
+/// `rockproof …`, run where the tests run.
+pub(crate) fn rockproof(args: &[&str]) -> Ran {
+    ran(cargo_bin_cmd!("rockproof").args(args))
+}
+
+/// `rockproof …`, run in this folder.
+pub(crate) fn rockproof_in(dir: &Path, args: &[&str]) -> Ran {
+    ran(cargo_bin_cmd!("rockproof").current_dir(dir).args(args))
+}
+
+fn ran(command: &mut Command) -> Ran {
+    let output = command.output().expect("runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
 }

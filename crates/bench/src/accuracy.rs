@@ -7,6 +7,7 @@ use num_rational::BigRational;
 use rockproof_campaign::families::{self, Family};
 use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::source::{SourceError, set_source};
+use rockproof_differential::row::written;
 use rockproof_differential::{builtin, engine};
 use rockproof_model::{Block, Contact, Precision, SceneError, SpecError, ToleranceSet};
 use rockproof_oracle::{self, Pair, plain};
@@ -14,32 +15,18 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Who answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum MeasuredEngine {
-    /// The stepper in f32.
-    F32,
-    /// The stepper in f64.
-    F64,
-    /// The oracle: its fast path, or its exact step.
-    Certified,
-    /// The oracle in plain rationals.
-    Exact,
-}
-
-impl MeasuredEngine {
-    /// All of them, from the cheapest.
-    pub const ALL: [MeasuredEngine; 4] =
-        [MeasuredEngine::F32, MeasuredEngine::F64, MeasuredEngine::Certified, MeasuredEngine::Exact];
-
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            MeasuredEngine::F32 => "stepper-f32",
-            MeasuredEngine::F64 => "stepper-f64",
-            MeasuredEngine::Certified => "certified",
-            MeasuredEngine::Exact => "exact",
-        }
+rockproof_model::named_enum! {
+    /// Who answers, from the cheapest.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum MeasuredEngine {
+        /// The stepper in f32.
+        F32 = "stepper-f32",
+        /// The stepper in f64.
+        F64 = "stepper-f64",
+        /// The oracle: its fast path, or its exact step.
+        Certified = "certified",
+        /// The oracle in plain rationals.
+        Exact = "exact",
     }
 }
 
@@ -331,25 +318,25 @@ fn as_written(value: f64) -> String {
 /// # Errors
 /// Those of the CSV writer.
 pub fn to_csv(rows: &[AccuracyRow]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(ERROR_COLUMNS)?;
     let number = |value: f64| if value.is_finite() { as_written(value) } else { String::new() };
-    for row in rows {
-        writer.write_record([
-            row.kind.to_owned(),
-            row.subject.to_owned(),
-            row.engine.name().to_owned(),
-            row.tolerances.to_owned(),
-            row.time_step.map_or(String::new(), number),
-            row.units.to_string(),
-            number(row.micros),
-            number(row.error),
-            row.of.name().to_owned(),
-            u8::from(row.front).to_string(),
-            row.note.clone(),
-        ])?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+    written(
+        &ERROR_COLUMNS,
+        rows.iter().map(|row| {
+            [
+                row.kind.to_owned(),
+                row.subject.to_owned(),
+                row.engine.name().to_owned(),
+                row.tolerances.to_owned(),
+                row.time_step.map_or(String::new(), number),
+                row.units.to_string(),
+                number(row.micros),
+                number(row.error),
+                row.of.name().to_owned(),
+                u8::from(row.front).to_string(),
+                row.note.clone(),
+            ]
+        }),
+    )
 }
 
 /// Time and error of the rows of one kind, by engine, with rings around those that nothing beats for their subject. An error of 0

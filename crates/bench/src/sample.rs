@@ -10,27 +10,18 @@ use rockproof_stepper::contact::{ClassificationRequest, NearbyPairs, PreparedBlo
 use rockproof_stepper::dynamics::nearby_margin;
 use std::sync::Arc;
 
-/// Which pairs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SampleKind {
-    /// The pairs of [`Generic`], as generated and moved at random.
-    Generic,
-    /// Pairs that the campaign moved, or whose tolerances it chose, to be at or near the boundary of a decision.
-    Directed,
+rockproof_model::named_enum! {
+    /// Which pairs.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum SampleKind {
+        /// The pairs of [`Generic`], as generated and moved at random.
+        Generic = "generic",
+        /// Pairs that the campaign moved, or whose tolerances it chose, to be at or near the boundary of a decision.
+        Directed = "directed",
+    }
 }
 
 impl SampleKind {
-    /// Both.
-    pub const ALL: [SampleKind; 2] = [SampleKind::Generic, SampleKind::Directed];
-
-    /// `generic` or `directed`.
-    pub fn name(self) -> &'static str {
-        match self {
-            SampleKind::Generic => "generic",
-            SampleKind::Directed => "directed",
-        }
-    }
-
     /// What the campaign's generator is told in order to make such pairs, under the sets of a default campaign.
     ///
     /// # Errors

@@ -6,46 +6,20 @@ use super::row::{named, written};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
-use std::fmt;
 
-/// Which two links of the chain are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ChainSpan {
-    /// From the ideal tolerances to the given ones, both exact.
-    Tolerance,
-    /// From the exact input to the rounded one, both classified exactly.
-    Representation,
-    /// From the exact to the engine's classification of the rounded input.
-    Arithmetic,
-    /// From the exact classification of the exact input to the engine's of the rounded one: all that an engine's user sees.
-    Whole,
-}
-
-impl ChainSpan {
-    /// All spans in the order of the chain.
-    pub const ALL: [ChainSpan; 4] =
-        [ChainSpan::Tolerance, ChainSpan::Representation, ChainSpan::Arithmetic, ChainSpan::Whole];
-
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            ChainSpan::Tolerance => "tolerance",
-            ChainSpan::Representation => "representation",
-            ChainSpan::Arithmetic => "arithmetic",
-            ChainSpan::Whole => "whole",
-        }
-    }
-
-    /// The span written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<ChainSpan> {
-        Self::ALL.into_iter().find(|span| span.name() == name)
-    }
-}
-
-impl fmt::Display for ChainSpan {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
+rockproof_model::named_enum! {
+    /// Which two links of the chain are compared.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum ChainSpan: from_name, Display {
+        /// From the ideal tolerances to the given ones, both exact.
+        Tolerance = "tolerance",
+        /// From the exact input to the rounded one, both classified exactly.
+        Representation = "representation",
+        /// From the exact to the engine's classification of the rounded input.
+        Arithmetic = "arithmetic",
+        /// From the exact classification of the exact input to the engine's of the rounded one: all that an engine's user sees.
+        Whole = "whole",
     }
 }
 

@@ -2,109 +2,55 @@
 
 use rockproof_model::decision::{Feature, Side};
 use rockproof_model::{Contact, Topology, VertexId};
-use std::fmt;
 
-/// How an answer changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum AnswerChange {
-    /// A contact is no longer found.
-    Missing,
-    /// A contact is found that was not there.
-    Extra,
-    /// The same place touches, as another kind: one feature lies in the closure of the other, in both blocks.
-    Kind,
-    /// The same contact enters through another plane.
-    Entrance,
-    /// The same contact through the same plane has a gap of another sign.
-    GapSign,
-    /// Rounding the input destroyed a feature, so that there is no answer.
-    Collapsed,
-    /// A built-in engine panicked, or the input or the tolerances overflow in the engine's format.
-    Failure,
-    /// The engine's program ended instead of answering.
-    Crash,
-    /// The engine's program did not answer in time.
-    Timeout,
-    /// The engine's answer made no sense.
-    Malformed,
-    /// The engine says that it cannot do this pair.
-    Unsupported,
-    /// Asked twice about the same pair, the engine answered differently.
-    Unstable,
-    /// Apart, touching or overlapping: not as the blocks lie.
-    State,
-    /// The distance or depth is off by more than the engine's accuracy.
-    Gap,
-    /// The normal does not separate the blocks as it should.
-    Normal,
-    /// The answer changed when A and B were exchanged.
-    Swap,
-    /// The answer changed when vertices and faces were numbered otherwise.
-    Renumber,
-    /// The answer changed when both blocks were moved by an exactly representable amount.
-    Translate,
-    /// The answer changed when all lengths were multiplied by a power of two.
-    Scale,
-    /// A block far away was found to touch.
-    FarBlock,
+rockproof_model::named_enum! {
+    /// How an answer changed.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum AnswerChange: from_name, Display {
+        /// A contact is no longer found.
+        Missing = "missing",
+        /// A contact is found that was not there.
+        Extra = "extra",
+        /// The same place touches, as another kind: one feature lies in the closure of the other, in both blocks.
+        Kind = "kind",
+        /// The same contact enters through another plane.
+        Entrance = "entrance",
+        /// The same contact through the same plane has a gap of another sign.
+        GapSign = "gap-sign",
+        /// Rounding the input destroyed a feature, so that there is no answer.
+        Collapsed = "collapsed",
+        /// A built-in engine panicked, or the input or the tolerances overflow in the engine's format.
+        Failure = "failure",
+        /// The engine's program ended instead of answering.
+        Crash = "crash",
+        /// The engine's program did not answer in time.
+        Timeout = "timeout",
+        /// The engine's answer made no sense.
+        Malformed = "malformed",
+        /// The engine says that it cannot do this pair.
+        Unsupported = "unsupported",
+        /// Asked twice about the same pair, the engine answered differently.
+        Unstable = "unstable",
+        /// Apart, touching or overlapping: not as the blocks lie.
+        State = "state",
+        /// The distance or depth is off by more than the engine's accuracy.
+        Gap = "gap",
+        /// The normal does not separate the blocks as it should.
+        Normal = "normal",
+        /// The answer changed when A and B were exchanged.
+        Swap = "swap",
+        /// The answer changed when vertices and faces were numbered otherwise.
+        Renumber = "renumber",
+        /// The answer changed when both blocks were moved by an exactly representable amount.
+        Translate = "translate",
+        /// The answer changed when all lengths were multiplied by a power of two.
+        Scale = "scale",
+        /// A block far away was found to touch.
+        FarBlock = "far-block",
+    }
 }
 
 impl AnswerChange {
-    /// All changes in sorted order.
-    pub const ALL: [AnswerChange; 20] = [
-        AnswerChange::Missing,
-        AnswerChange::Extra,
-        AnswerChange::Kind,
-        AnswerChange::Entrance,
-        AnswerChange::GapSign,
-        AnswerChange::Collapsed,
-        AnswerChange::Failure,
-        AnswerChange::Crash,
-        AnswerChange::Timeout,
-        AnswerChange::Malformed,
-        AnswerChange::Unsupported,
-        AnswerChange::Unstable,
-        AnswerChange::State,
-        AnswerChange::Gap,
-        AnswerChange::Normal,
-        AnswerChange::Swap,
-        AnswerChange::Renumber,
-        AnswerChange::Translate,
-        AnswerChange::Scale,
-        AnswerChange::FarBlock,
-    ];
-
-    /// The name in tables and files: lower case, hyphens.
-    pub fn name(self) -> &'static str {
-        match self {
-            AnswerChange::Missing => "missing",
-            AnswerChange::Extra => "extra",
-            AnswerChange::Kind => "kind",
-            AnswerChange::Entrance => "entrance",
-            AnswerChange::GapSign => "gap-sign",
-            AnswerChange::Collapsed => "collapsed",
-            AnswerChange::Failure => "failure",
-            AnswerChange::Crash => "crash",
-            AnswerChange::Timeout => "timeout",
-            AnswerChange::Malformed => "malformed",
-            AnswerChange::Unsupported => "unsupported",
-            AnswerChange::Unstable => "unstable",
-            AnswerChange::State => "state",
-            AnswerChange::Gap => "gap",
-            AnswerChange::Normal => "normal",
-            AnswerChange::Swap => "swap",
-            AnswerChange::Renumber => "renumber",
-            AnswerChange::Translate => "translate",
-            AnswerChange::Scale => "scale",
-            AnswerChange::FarBlock => "far-block",
-        }
-    }
-
-    /// The change written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<AnswerChange> {
-        Self::ALL.into_iter().find(|change| change.name() == name)
-    }
-
     /// Whether this is a violated metamorphic check rather than a difference from the oracle.
     pub fn is_metamorphic(self) -> bool {
         matches!(
@@ -115,12 +61,6 @@ impl AnswerChange {
                 | AnswerChange::Scale
                 | AnswerChange::FarBlock
         )
-    }
-}
-
-impl fmt::Display for AnswerChange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
     }
 }
 

@@ -9,48 +9,22 @@ use rockproof_results::bounded;
 use std::fmt;
 use std::sync::Arc;
 
-/// The link of SPEC section 6's chain at which an answer changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Cause {
-    /// From the ideal tolerances to the given ones, both exact.
-    Tolerance,
-    /// From the exact input to the rounded one, both classified exactly.
-    Representation,
-    /// From the exact to the engine's classification of the rounded input.
-    Arithmetic,
-    /// As arithmetic, but the difference remains when the engine's code runs with a scalar of several hundred bits and
-    /// no comparison there was close: a mistake in the code.
-    Defect,
-    /// From the exact to an external engine's answer for the rounded input: its arithmetic or its code. Nobody can tell
-    /// which from outside, for a program cannot be run again with several hundred bits.
-    Engine,
-}
-
-impl Cause {
-    /// All causes in the order of the chain.
-    pub const ALL: [Cause; 5] =
-        [Cause::Tolerance, Cause::Representation, Cause::Arithmetic, Cause::Defect, Cause::Engine];
-
-    /// The name in tables and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Cause::Tolerance => "tolerance",
-            Cause::Representation => "representation",
-            Cause::Arithmetic => "arithmetic",
-            Cause::Defect => "defect",
-            Cause::Engine => "engine",
-        }
-    }
-
-    /// The cause written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<Cause> {
-        Self::ALL.into_iter().find(|cause| cause.name() == name)
-    }
-}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
+rockproof_model::named_enum! {
+    /// The link of SPEC section 6's chain at which an answer changed.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Cause: from_name, Display {
+        /// From the ideal tolerances to the given ones, both exact.
+        Tolerance = "tolerance",
+        /// From the exact input to the rounded one, both classified exactly.
+        Representation = "representation",
+        /// From the exact to the engine's classification of the rounded input.
+        Arithmetic = "arithmetic",
+        /// As arithmetic, but the difference remains when the engine's code runs with a scalar of several hundred bits and
+        /// no comparison there was close: a mistake in the code.
+        Defect = "defect",
+        /// From the exact to an external engine's answer for the rounded input: its arithmetic or its code. Nobody can tell
+        /// which from outside, for a program cannot be run again with several hundred bits.
+        Engine = "engine",
     }
 }
 

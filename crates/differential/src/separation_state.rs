@@ -2,40 +2,16 @@
 
 use std::fmt;
 
-/// How two blocks lie to one another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum SeparationState {
-    /// There is room between them.
-    Apart,
-    /// They have points in common, but none inside both.
-    Touching,
-    /// They have points inside both.
-    Overlapping,
-}
-
-impl SeparationState {
-    /// All states.
-    pub const ALL: [SeparationState; 3] =
-        [SeparationState::Apart, SeparationState::Touching, SeparationState::Overlapping];
-
-    /// `apart`, `touching` or `overlapping`.
-    pub fn name(self) -> &'static str {
-        match self {
-            SeparationState::Apart => "apart",
-            SeparationState::Touching => "touching",
-            SeparationState::Overlapping => "overlapping",
-        }
-    }
-
-    /// The state written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<SeparationState> {
-        Self::ALL.into_iter().find(|state| state.name() == name)
-    }
-}
-
-impl fmt::Display for SeparationState {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
+rockproof_model::named_enum! {
+    /// How two blocks lie to one another.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum SeparationState: from_name, Display {
+        /// There is room between them.
+        Apart = "apart",
+        /// They have points in common, but none inside both.
+        Touching = "touching",
+        /// They have points inside both.
+        Overlapping = "overlapping",
     }
 }
 

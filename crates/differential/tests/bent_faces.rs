@@ -1,7 +1,7 @@
 //! The stepper in 512 bits beside the oracle over faces that are not planar, which only a loosened `planarity` lets in. Contacts with such a face
 //! are with its plane, and that may stand out of its block's box: where either side leaves out what is far, it must allow for it.
 
-use rockproof_model::{Block, BlockOptions, Contact, ContactKey, Criteria, Number, ToleranceSet, Vec3, VertexId};
+use rockproof_model::{Block, BlockOptions, Contact, ContactKey, Number, ToleranceSet, Vec3, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::engine::settled_contacts;
@@ -34,16 +34,10 @@ fn over_a_bent_face_both_sides_find_the_same_contacts() {
     let (s, sine) = (1.0 / 64.0, 3.0 / 64.0);
     let tolerances = ToleranceSet {
         search: number(s),
-        territory: Number::ZERO,
         penetration: number(s),
         overlap_sine: number(sine),
         parallel_sine: number(sine),
-        equal: Number::ZERO,
-        open: Number::ZERO,
-        close: Number::ZERO,
-        max_displacement: Number::ZERO,
-        max_rotation: Number::ZERO,
-        criteria: Criteria::Revised,
+        ..ToleranceSet::ZERO
     };
     let (mut pairs, mut compared, mut above) = (0, 0, 0);
     for low in [0.5, 0.125, 1.0] {

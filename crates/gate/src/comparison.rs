@@ -23,38 +23,23 @@ pub struct ComparedClass {
     pub predicate: String,
 }
 
-/// How a sort of findings fared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Trend {
-    /// There is none in the run before.
-    New,
-    /// More pairs have one.
-    More,
-    /// As many pairs have one, but others.
-    Other,
-    /// Fewer pairs have one.
-    Fewer,
-    /// There is none in the run after.
-    Gone,
-    /// The same pairs; of campaigns over different pairs a difference that may be chance.
-    Same,
-}
-
-impl Trend {
-    /// All of them, those to look at first.
-    pub const ALL: [Trend; 6] = [Trend::New, Trend::More, Trend::Other, Trend::Fewer, Trend::Gone, Trend::Same];
-
-    /// `new`, `more`, `other`, `fewer`, `gone` or `same`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Trend::New => "new",
-            Trend::More => "more",
-            Trend::Other => "other",
-            Trend::Fewer => "fewer",
-            Trend::Gone => "gone",
-            Trend::Same => "same",
-        }
+rockproof_model::named_enum! {
+    /// How a sort of findings fared, the sorts to look at first before others.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Trend {
+        /// There is none in the run before.
+        New = "new",
+        /// More pairs have one.
+        More = "more",
+        /// As many pairs have one, but others.
+        Other = "other",
+        /// Fewer pairs have one.
+        Fewer = "fewer",
+        /// There is none in the run after.
+        Gone = "gone",
+        /// The same pairs; of campaigns over different pairs a difference that may be chance.
+        Same = "same",
     }
 }
 

@@ -5,52 +5,27 @@ use crate::sign::Sign;
 use crate::topology::{EdgeId, FaceId, VertexId};
 use std::fmt;
 
-/// Which feature of block A touches which feature of block B; A's feature is named first.
-/// The order of the variants is the order in which contacts are sorted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum ContactKind {
-    /// v-v
-    VertexVertex,
-    /// v-e
-    VertexEdge,
-    /// e-v
-    EdgeVertex,
-    /// v-f
-    VertexFace,
-    /// f-v
-    FaceVertex,
-    /// crossing e-e
-    EdgeEdge,
+crate::named_enum! {
+    /// Which feature of block A touches which feature of block B; A's feature is named first.
+    /// The order of the variants is the order in which contacts are sorted.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum ContactKind: from_name, Display {
+        /// v-v
+        VertexVertex = "v-v",
+        /// v-e
+        VertexEdge = "v-e",
+        /// e-v
+        EdgeVertex = "e-v",
+        /// v-f
+        VertexFace = "v-f",
+        /// f-v
+        FaceVertex = "f-v",
+        /// crossing e-e
+        EdgeEdge = "e-e",
+    }
 }
 
 impl ContactKind {
-    /// All kinds in sorted order.
-    pub const ALL: [ContactKind; 6] = [
-        ContactKind::VertexVertex,
-        ContactKind::VertexEdge,
-        ContactKind::EdgeVertex,
-        ContactKind::VertexFace,
-        ContactKind::FaceVertex,
-        ContactKind::EdgeEdge,
-    ];
-
-    /// `v-v`, `v-e`, `e-v`, `v-f`, `f-v` or `e-e`, as written in tables and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            ContactKind::VertexVertex => "v-v",
-            ContactKind::VertexEdge => "v-e",
-            ContactKind::EdgeVertex => "e-v",
-            ContactKind::VertexFace => "v-f",
-            ContactKind::FaceVertex => "f-v",
-            ContactKind::EdgeEdge => "e-e",
-        }
-    }
-
-    /// The kind written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<ContactKind> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
     /// The same contact seen with A and B exchanged.
     #[must_use]
     pub fn swapped(self) -> ContactKind {
@@ -64,45 +39,17 @@ impl ContactKind {
     }
 }
 
-impl fmt::Display for ContactKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-/// Which two features span the plane through which the blocks enter one another.
-/// The order of the variants is the order in which ties are broken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum EntranceKind {
-    /// A vertex of A and a face of B; the normal is the face's `N`.
-    VertexFace,
-    /// A face of A and a vertex of B; the normal is `−N` of the face.
-    FaceVertex,
-    /// An edge of each; the normal is `σ·(d₁ × d₂)`.
-    EdgeEdge,
-}
-
-impl EntranceKind {
-    /// `v-f`, `f-v` or `e-e`.
-    pub fn name(self) -> &'static str {
-        match self {
-            EntranceKind::VertexFace => "v-f",
-            EntranceKind::FaceVertex => "f-v",
-            EntranceKind::EdgeEdge => "e-e",
-        }
-    }
-
-    /// The kind written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<EntranceKind> {
-        [EntranceKind::VertexFace, EntranceKind::FaceVertex, EntranceKind::EdgeEdge]
-            .into_iter()
-            .find(|k| k.name() == name)
-    }
-}
-
-impl fmt::Display for EntranceKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
+crate::named_enum! {
+    /// Which two features span the plane through which the blocks enter one another.
+    /// The order of the variants is the order in which ties are broken.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum EntranceKind: from_name, Display {
+        /// A vertex of A and a face of B; the normal is the face's `N`.
+        VertexFace = "v-f",
+        /// A face of A and a vertex of B; the normal is `−N` of the face.
+        FaceVertex = "f-v",
+        /// An edge of each; the normal is `σ·(d₁ × d₂)`.
+        EdgeEdge = "e-e",
     }
 }
 

@@ -4,131 +4,62 @@
 use crate::topology::{EdgeId, FaceId, Topology, VertexId};
 use std::fmt;
 
-/// One kind of decision of SPEC section 4. Every decision is a yes or a no about named features of the pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Predicate {
-    /// Rough phase: A's box grown by s meets B's.
-    Neighbours,
-    /// A vertex is within `search` of a vertex: `|a − b| ≤ s`.
-    VertexVertexNear,
-    /// A vertex lies in the territory of a vertex: `|a − b| ≤ min(r_a, r_b)`.
-    VertexTerritory,
-    /// A vertex lies in the region of a vertex with respect to one edge there: `(a − b)·e ≤ 0`.
-    VertexRegion,
-    /// The foot of a vertex lies strictly inside an edge.
-    FootInside,
-    /// A vertex is within `search` of an edge's line.
-    VertexEdgeNear,
-    /// A vertex lies in the territory of an edge: its distance to the line is ≤ r_e.
-    EdgeTerritory,
-    /// A vertex lies in the region of an edge with respect to one of its faces: `(a − p)·m ≤ 0`.
-    EdgeRegion,
-    /// The foot on an edge lies in the region of a vertex with respect to one edge there: `(f − a)·e ≤ 0`.
-    FootRegion,
-    /// The gap of a vertex and a face is at most `search`.
-    VertexFaceNear,
-    /// The gap of a vertex and a face is at least −`penetration`.
-    VertexFaceDepth,
-    /// The projection of a vertex lies strictly inside a face.
-    InsideFace,
-    /// An edge direction at a vertex passes a face plane (one edge of "cone passes plane").
-    ConePasses,
-    /// Two edges are nearly parallel.
-    NearlyParallel,
-    /// The feet of the common perpendicular lie strictly inside both edges.
-    FeetInside,
-    /// The gap of two edges is at most `search`.
-    EdgeEdgeNear,
-    /// The gap of two edges is at least −`penetration`.
-    EdgeEdgeDepth,
-    /// The four faces at two edges pass one another ("wedges pass").
-    WedgesPass,
-    /// The plane of an entrance is a true exit: its no-overlap check passes with the tolerance r/10 alone.
-    ///
-    /// Asked under revised criteria only, of planes that pass: of every candidate for an entrance where there are two or
-    /// more, and for one exit of every contact found where at least one of them has h < 0.
-    TrueExit,
-    /// The chosen entrance has a gap of at least −`penetration`.
-    EntranceDepth,
-    /// An entrance candidate is preferred to another (largest gap, Eq. (1), order); asked of the true exits alone where
-    /// there is one.
-    EntranceChoice,
-    /// The sign of the gap of a contact.
-    GapSign,
-    /// A contact of an overlapping vertex is dropped for a face with a larger gap (test 3, shortest exit).
-    ShortestExit,
-    /// A contact stays under "one exit" (test 5).
-    OneExit,
-}
-
-impl Predicate {
-    /// Every predicate, in the order in which they are tested.
-    pub const ALL: [Predicate; 24] = [
-        Predicate::Neighbours,
-        Predicate::VertexVertexNear,
-        Predicate::VertexTerritory,
-        Predicate::VertexRegion,
-        Predicate::FootInside,
-        Predicate::VertexEdgeNear,
-        Predicate::EdgeTerritory,
-        Predicate::EdgeRegion,
-        Predicate::FootRegion,
-        Predicate::VertexFaceNear,
-        Predicate::VertexFaceDepth,
-        Predicate::InsideFace,
-        Predicate::ConePasses,
-        Predicate::NearlyParallel,
-        Predicate::FeetInside,
-        Predicate::EdgeEdgeNear,
-        Predicate::EdgeEdgeDepth,
-        Predicate::WedgesPass,
-        Predicate::TrueExit,
-        Predicate::EntranceDepth,
-        Predicate::EntranceChoice,
-        Predicate::GapSign,
-        Predicate::ShortestExit,
-        Predicate::OneExit,
-    ];
-
-    /// The name used in files: lower case, hyphens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Predicate::Neighbours => "neighbours",
-            Predicate::VertexVertexNear => "vertex-vertex-near",
-            Predicate::VertexTerritory => "vertex-territory",
-            Predicate::VertexRegion => "vertex-region",
-            Predicate::FootInside => "foot-inside",
-            Predicate::VertexEdgeNear => "vertex-edge-near",
-            Predicate::EdgeTerritory => "edge-territory",
-            Predicate::EdgeRegion => "edge-region",
-            Predicate::FootRegion => "foot-region",
-            Predicate::VertexFaceNear => "vertex-face-near",
-            Predicate::VertexFaceDepth => "vertex-face-depth",
-            Predicate::InsideFace => "inside-face",
-            Predicate::ConePasses => "cone-passes",
-            Predicate::NearlyParallel => "nearly-parallel",
-            Predicate::FeetInside => "feet-inside",
-            Predicate::EdgeEdgeNear => "edge-edge-near",
-            Predicate::EdgeEdgeDepth => "edge-edge-depth",
-            Predicate::WedgesPass => "wedges-pass",
-            Predicate::TrueExit => "true-exit",
-            Predicate::EntranceDepth => "entrance-depth",
-            Predicate::EntranceChoice => "entrance-choice",
-            Predicate::GapSign => "gap-sign",
-            Predicate::ShortestExit => "shortest-exit",
-            Predicate::OneExit => "one-exit",
-        }
-    }
-
-    /// The predicate written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<Predicate> {
-        Self::ALL.into_iter().find(|p| p.name() == name)
-    }
-}
-
-impl fmt::Display for Predicate {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
+crate::named_enum! {
+    /// One kind of decision of SPEC section 4. Every decision is a yes or a no about named features of the pair.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Predicate: from_name, Display {
+        /// Rough phase: A's box grown by s meets B's.
+        Neighbours = "neighbours",
+        /// A vertex is within `search` of a vertex: `|a − b| ≤ s`.
+        VertexVertexNear = "vertex-vertex-near",
+        /// A vertex lies in the territory of a vertex: `|a − b| ≤ min(r_a, r_b)`.
+        VertexTerritory = "vertex-territory",
+        /// A vertex lies in the region of a vertex with respect to one edge there: `(a − b)·e ≤ 0`.
+        VertexRegion = "vertex-region",
+        /// The foot of a vertex lies strictly inside an edge.
+        FootInside = "foot-inside",
+        /// A vertex is within `search` of an edge's line.
+        VertexEdgeNear = "vertex-edge-near",
+        /// A vertex lies in the territory of an edge: its distance to the line is ≤ r_e.
+        EdgeTerritory = "edge-territory",
+        /// A vertex lies in the region of an edge with respect to one of its faces: `(a − p)·m ≤ 0`.
+        EdgeRegion = "edge-region",
+        /// The foot on an edge lies in the region of a vertex with respect to one edge there: `(f − a)·e ≤ 0`.
+        FootRegion = "foot-region",
+        /// The gap of a vertex and a face is at most `search`.
+        VertexFaceNear = "vertex-face-near",
+        /// The gap of a vertex and a face is at least −`penetration`.
+        VertexFaceDepth = "vertex-face-depth",
+        /// The projection of a vertex lies strictly inside a face.
+        InsideFace = "inside-face",
+        /// An edge direction at a vertex passes a face plane (one edge of "cone passes plane").
+        ConePasses = "cone-passes",
+        /// Two edges are nearly parallel.
+        NearlyParallel = "nearly-parallel",
+        /// The feet of the common perpendicular lie strictly inside both edges.
+        FeetInside = "feet-inside",
+        /// The gap of two edges is at most `search`.
+        EdgeEdgeNear = "edge-edge-near",
+        /// The gap of two edges is at least −`penetration`.
+        EdgeEdgeDepth = "edge-edge-depth",
+        /// The four faces at two edges pass one another ("wedges pass").
+        WedgesPass = "wedges-pass",
+        /// The plane of an entrance is a true exit: its no-overlap check passes with the tolerance r/10 alone.
+        ///
+        /// Asked under revised criteria only, of planes that pass: of every candidate for an entrance where there are two or
+        /// more, and for one exit of every contact found where at least one of them has h < 0.
+        TrueExit = "true-exit",
+        /// The chosen entrance has a gap of at least −`penetration`.
+        EntranceDepth = "entrance-depth",
+        /// An entrance candidate is preferred to another (largest gap, Eq. (1), order); asked of the true exits alone where
+        /// there is one.
+        EntranceChoice = "entrance-choice",
+        /// The sign of the gap of a contact.
+        GapSign = "gap-sign",
+        /// A contact of an overlapping vertex is dropped for a face with a larger gap (test 3, shortest exit).
+        ShortestExit = "shortest-exit",
+        /// A contact stays under "one exit" (test 5).
+        OneExit = "one-exit",
     }
 }
 

@@ -10,6 +10,7 @@ pub mod decision_index;
 mod dyadic;
 pub mod files;
 pub mod lattice;
+mod named;
 pub mod number;
 pub mod number_text;
 pub mod preset;

@@ -8,41 +8,17 @@ use crate::number::{Number, Precision};
 use crate::rules::{self, Violation};
 use crate::tolerance::{Criteria, ToleranceSet};
 use num_traits::ToPrimitive;
-use std::fmt;
 
-/// A way to derive a tolerance set from blocks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Preset {
-    /// A set that meets every rule of [`rules`], with the revised criteria.
-    Auto,
-    /// Shi's customary choices, in shares of half the model's height, with the classic criteria.
-    Shi,
-    /// As `Auto`, with the angles, the territory and `equal` at 0.
-    Zero,
-}
-
-impl Preset {
-    /// All presets.
-    pub const ALL: [Preset; 3] = [Preset::Auto, Preset::Shi, Preset::Zero];
-
-    /// `auto`, `shi` or `zero`, as written in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Preset::Auto => "auto",
-            Preset::Shi => "shi",
-            Preset::Zero => "zero",
-        }
-    }
-
-    /// The preset written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<Preset> {
-        Self::ALL.into_iter().find(|p| p.name() == name)
-    }
-}
-
-impl fmt::Display for Preset {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
+crate::named_enum! {
+    /// A way to derive a tolerance set from blocks.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Preset: from_name, Display {
+        /// A set that meets every rule of [`rules`], with the revised criteria.
+        Auto = "auto",
+        /// Shi's customary choices, in shares of half the model's height, with the classic criteria.
+        Shi = "shi",
+        /// As `Auto`, with the angles, the territory and `equal` at 0.
+        Zero = "zero",
     }
 }
 

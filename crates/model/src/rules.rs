@@ -199,27 +199,27 @@ fn between(set: &ToleranceSet) -> Violations {
         [&set.search, &set.territory, &set.penetration, &set.max_displacement].map(Number::to_rational);
     let mut violations = Violations::default();
 
-    violations.at_least(
+    violations.require(
         Rule::Search,
-        (&search, &(&displacement * &two)),
+        (&search, Relation::AtLeast, &(&displacement * &two)),
         None,
         &[
             ("search", RequiredValue::OrMore(&displacement * &two)),
             ("max_displacement", RequiredValue::OrLess(&search / &two)),
         ],
     );
-    violations.at_least(
+    violations.require(
         Rule::Penetration,
-        (&penetration, &displacement),
+        (&penetration, Relation::AtLeast, &displacement),
         None,
         &[
             ("penetration", RequiredValue::OrMore(displacement.clone())),
             ("max_displacement", RequiredValue::OrLess(penetration.clone())),
         ],
     );
-    violations.at_most(
+    violations.require(
         Rule::TerritoryInSearch,
-        (&territory, &search),
+        (&territory, Relation::AtMost, &search),
         None,
         &[("territory", RequiredValue::OrLess(search.clone())), ("search", RequiredValue::OrMore(territory.clone()))],
     );
@@ -274,6 +274,15 @@ fn plain(value: f64) -> String {
     if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
 }
 
+/// How the sides of a rule must lie.
+#[derive(Clone, Copy)]
+enum Relation {
+    AtLeast,
+    AtMost,
+    /// Of two squares.
+    AtMostSquared,
+}
+
 #[derive(Default)]
 struct Violations {
     found: Vec<Violation>,
@@ -281,58 +290,27 @@ struct Violations {
 }
 
 impl Violations {
-    fn at_least(
+    fn require(
         &mut self,
         rule: Rule,
-        sides: (&BigRational, &BigRational),
+        (left, relation, right): (&BigRational, Relation, &BigRational),
         place: Option<LengthLocation>,
         remedies: &[(&str, RequiredValue)],
     ) {
-        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
-        self.slacks.push(RuleSlack { rule, factor: near(sides.0) / near(sides.1) });
-        if sides.0 < sides.1 {
-            self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
+        let near = |value: &BigRational| match (Number::from_rational(value.clone()).approximate(), relation) {
+            (square, Relation::AtMostSquared) => square.sqrt(),
+            (value, _) => value,
+        };
+        let (found, allowed) = (near(left), near(right));
+        let (factor, broken) = match relation {
+            Relation::AtLeast => (found / allowed, left < right),
+            Relation::AtMost | Relation::AtMostSquared => (allowed / found, left > right),
+        };
+        self.slacks.push(RuleSlack { rule, factor });
+        if broken {
+            let remedy = remedies.iter().map(|(name, bound)| bound.text(name)).collect::<Vec<_>>().join(" or ");
+            self.found.push(Violation { rule, found, allowed, place, remedy });
         }
-    }
-
-    fn at_most(
-        &mut self,
-        rule: Rule,
-        sides: (&BigRational, &BigRational),
-        place: Option<LengthLocation>,
-        remedies: &[(&str, RequiredValue)],
-    ) {
-        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
-        self.slacks.push(RuleSlack { rule, factor: near(sides.1) / near(sides.0) });
-        if sides.0 > sides.1 {
-            self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
-        }
-    }
-
-    /// As `at_most`, of two squares.
-    fn at_most_squared(
-        &mut self,
-        rule: Rule,
-        sides: (&BigRational, &BigRational),
-        place: Option<LengthLocation>,
-        remedies: &[(&str, RequiredValue)],
-    ) {
-        let near = |value: &BigRational| Number::from_rational(value.clone()).approximate().sqrt();
-        self.slacks.push(RuleSlack { rule, factor: near(sides.1) / near(sides.0) });
-        if sides.0 > sides.1 {
-            self.push(rule, (near(sides.0), near(sides.1)), place, remedies);
-        }
-    }
-
-    fn push(
-        &mut self,
-        rule: Rule,
-        (found, allowed): (f64, f64),
-        place: Option<LengthLocation>,
-        remedies: &[(&str, RequiredValue)],
-    ) {
-        let remedy = remedies.iter().map(|(name, bound)| bound.text(name)).collect::<Vec<_>>().join(" or ");
-        self.found.push(Violation { rule, found, allowed, place, remedy });
     }
 }
 
@@ -398,26 +376,26 @@ impl Extremes {
         let lambda_squared = BigRational::new(1.into(), (LAMBDA_INVERSE * LAMBDA_INVERSE).into());
         let quarter = &self.shortest_squared * lambda_squared;
         let territory = set.territory.to_rational();
-        violations.at_most_squared(
+        violations.require(
             Rule::TerritoryOnEdge,
-            (&squared(&set.territory), &quarter),
+            (&squared(&set.territory), Relation::AtMostSquared, &quarter),
             Some(self.shortest),
             &[("territory", RequiredValue::RootOrLess(quarter.clone()))],
         );
         let eps = Number::from_f64(256.0 * precision.epsilon()).unwrap_or(Number::ZERO).to_rational();
         let resolved = &eps * &self.largest_coordinate;
-        violations.at_least(
+        violations.require(
             Rule::TerritoryResolved,
-            (&territory, &resolved),
+            (&territory, Relation::AtLeast, &resolved),
             Some(self.furthest),
             &[
                 ("territory", RequiredValue::OrMore(resolved.clone())),
                 ("all coordinates", RequiredValue::OrLess(&territory / &eps)),
             ],
         );
-        violations.at_most_squared(
+        violations.require(
             Rule::Displacement,
-            (&squared(&set.max_displacement), &quarter),
+            (&squared(&set.max_displacement), Relation::AtMostSquared, &quarter),
             Some(self.shortest),
             &[("max_displacement", RequiredValue::RootOrLess(quarter.clone()))],
         );
@@ -425,9 +403,9 @@ impl Extremes {
         if set.criteria == Criteria::Classic {
             let territory_squared = squared(&set.territory);
             let parallel = squared(&set.parallel_sine) * &self.longest_squared;
-            violations.at_most_squared(
+            violations.require(
                 Rule::ParallelEdges,
-                (&parallel, &territory_squared),
+                (&parallel, Relation::AtMostSquared, &territory_squared),
                 Some(self.longest),
                 &[
                     ("parallel_sine", RequiredValue::RootOrLess(&territory_squared / &self.longest_squared)),
@@ -436,9 +414,9 @@ impl Extremes {
             );
             let penetration_squared = squared(&set.penetration);
             let overlap = squared(&set.overlap_sine) * &self.longest_squared;
-            violations.at_most_squared(
+            violations.require(
                 Rule::Overlap,
-                (&overlap, &penetration_squared),
+                (&overlap, Relation::AtMostSquared, &penetration_squared),
                 Some(self.longest),
                 &[
                     ("overlap_sine", RequiredValue::RootOrLess(&penetration_squared / &self.longest_squared)),

@@ -52,6 +52,21 @@ pub struct ToleranceSet {
 pub const LAMBDA_INVERSE: i32 = 4;
 
 impl ToleranceSet {
+    /// Every number 0, under the revised criteria.
+    pub const ZERO: ToleranceSet = ToleranceSet {
+        search: Number::ZERO,
+        territory: Number::ZERO,
+        penetration: Number::ZERO,
+        overlap_sine: Number::ZERO,
+        parallel_sine: Number::ZERO,
+        equal: Number::ZERO,
+        open: Number::ZERO,
+        close: Number::ZERO,
+        max_displacement: Number::ZERO,
+        max_rotation: Number::ZERO,
+        criteria: Criteria::Revised,
+    };
+
     /// `ideal(T)`: the set with r, so, sp and ε at 0 and the revised criteria. Types by nearest features alone.
     #[must_use]
     pub fn ideal(&self) -> ToleranceSet {

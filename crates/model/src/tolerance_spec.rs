@@ -225,7 +225,7 @@ impl ToleranceSpec {
     /// When values are missing and no preset is named, or the preset cannot be derived.
     pub fn derive(&self, blocks: &[&Block], precision: Precision) -> Result<ToleranceSet, SpecError> {
         let given = |name: &str| self.numbers.iter().find(|(n, _)| *n == name).map(|(_, value)| value);
-        let mut set = blank();
+        let mut set = ToleranceSet::ZERO;
         let mut missing: Vec<&'static str> =
             set.numbers().iter().map(|(name, _)| *name).filter(|name| given(name).is_none()).collect();
         if self.criteria.is_none() {
@@ -248,20 +248,4 @@ impl ToleranceSpec {
 /// The name as it is known.
 fn known(name: &str) -> Result<&'static str, SpecError> {
     NAMES.into_iter().find(|n| *n == name).ok_or_else(|| SpecError::UnknownName { found: shown(name) })
-}
-
-fn blank() -> ToleranceSet {
-    ToleranceSet {
-        search: Number::ZERO,
-        territory: Number::ZERO,
-        penetration: Number::ZERO,
-        overlap_sine: Number::ZERO,
-        parallel_sine: Number::ZERO,
-        equal: Number::ZERO,
-        open: Number::ZERO,
-        close: Number::ZERO,
-        max_displacement: Number::ZERO,
-        max_rotation: Number::ZERO,
-        criteria: Criteria::Revised,
-    }
 }

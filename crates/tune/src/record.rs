@@ -5,6 +5,7 @@ use super::evaluator::Measurement;
 use super::probes::Differences;
 use super::search::{EvaluatedCandidate, PendingCandidate, Search};
 use super::steps::{LockstepMeasures, Overlaps, StepMeasures};
+use rockproof_differential::row::written;
 use rockproof_model::bounded_rows::BoundedRows;
 use rockproof_model::files::read_limited;
 use rockproof_model::rules::{Rule, RuleSlack};
@@ -140,13 +141,9 @@ impl SearchRecord {
     /// # Errors
     /// When they cannot be written.
     pub fn commit(&mut self, search: &Search<'_>) -> Result<(), RecordError> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(COLUMNS)?;
         let best = search.best();
-        for (number, evaluated) in search.tried().iter().enumerate() {
-            writer.write_record(row(number, evaluated, best == Some(number)))?;
-        }
-        let bytes = writer.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
+        let tried = search.tried().iter().enumerate();
+        let bytes = written(&COLUMNS, tried.map(|(number, one)| row(number, one, best == Some(number))))?;
         let seals = &mut self.about.candidates_sha256;
         seals.drain(..seals.len().saturating_sub(1));
         seals.push(digest(&bytes));

@@ -153,30 +153,20 @@ fn handmade() -> Result<Vec<PathBuf>, CaseFailure> {
     Ok(paths)
 }
 
-/// What is done to a pour beside letting it fall.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pour {
-    /// Nothing.
-    Plain,
-    /// Every joint has a cohesion of 0.1 MPa.
-    Cohesion,
-    /// A constant force acts on a corner of the brick poured last, as large as its weight, nearly downwards.
-    Load,
+rockproof_model::named_enum! {
+    /// What is done to a pour beside letting it fall.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Pour {
+        /// Nothing.
+        Plain = "as it is",
+        /// Every joint has a cohesion of 0.1 MPa.
+        Cohesion = "cohesion of 0.1 MPa",
+        /// A constant force acts on a corner of the brick poured last, as large as its weight, nearly downwards.
+        Load = "a load on a corner",
+    }
 }
 
 impl Pour {
-    /// All, in the order of the table.
-    pub const ALL: [Pour; 3] = [Pour::Plain, Pour::Cohesion, Pour::Load];
-
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Pour::Plain => "as it is",
-            Pour::Cohesion => "cohesion of 0.1 MPa",
-            Pour::Load => "a load on a corner",
-        }
-    }
-
     /// The first variant of the pour of rigid bricks, changed.
     ///
     /// # Errors

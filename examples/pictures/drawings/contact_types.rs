@@ -3,9 +3,7 @@
 use super::axonometric::{Camera, cross, dot, minus, normal_of, plus, scaled, unit, vertex};
 use super::shapes::{Metres, number, parallelepiped, prism, pyramid};
 use super::svg::{ACCENT, At, BLOCK_A, BLOCK_B, HEADING, PLAIN, SMALL, Svg};
-use rockproof_model::{
-    Block, Contact, ContactKey, ContactKind, Criteria, EdgeId, Entrance, FaceId, Number, ToleranceSet,
-};
+use rockproof_model::{Block, Contact, ContactKey, ContactKind, EdgeId, Entrance, FaceId, Number, ToleranceSet};
 use rockproof_oracle::{Gap, Pair, PreparedBlock};
 
 const PANEL: At = (240.0, 318.0);
@@ -36,12 +34,9 @@ pub(super) fn tolerances() -> ToleranceSet {
         penetration: number(0.0625),
         overlap_sine: number(0.046875),
         parallel_sine: number(0.046875),
-        equal: Number::ZERO,
-        open: Number::ZERO,
-        close: Number::ZERO,
         max_displacement: number(0.0625),
         max_rotation: number(0.0625),
-        criteria: Criteria::Revised,
+        ..ToleranceSet::ZERO
     }
 }
 

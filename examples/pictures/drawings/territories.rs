@@ -5,7 +5,7 @@
 
 use super::shapes::{Metres, block, metres, number};
 use super::svg::{At, GREY, HEADING, INK, PLAIN, SMALL, Svg};
-use rockproof_model::{Block, ContactKind, Criteria, Number, ToleranceSet, VertexId};
+use rockproof_model::{Block, ContactKind, Criteria, ToleranceSet, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock as OracleSolid};
 use rockproof_stepper::contact::{ContactRules, SpecRules};
 use rockproof_stepper::{PreparedBlock, Tolerances};
@@ -56,12 +56,10 @@ fn tolerances(criteria: Criteria) -> ToleranceSet {
         penetration: number(0.0625),
         overlap_sine: number(0.046875),
         parallel_sine: number(0.046875),
-        equal: Number::ZERO,
-        open: Number::ZERO,
-        close: Number::ZERO,
         max_displacement: number(0.0625),
         max_rotation: number(0.0625),
         criteria,
+        ..ToleranceSet::ZERO
     }
 }
 

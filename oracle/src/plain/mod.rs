@@ -55,7 +55,7 @@ pub type TracedDecision = (Decision, i8, bool);
 /// [`Block::rounded`] and [`ToleranceSet::rounded`].
 ///
 /// ```
-/// # use rockproof_model::{Block, BlockOptions, Criteria, Number, Sign, ToleranceSet, Vec3};
+/// # use rockproof_model::{Block, BlockOptions, Number, Sign, ToleranceSet, Vec3};
 /// # fn tetrahedron(apex: i32, base: i32) -> Block {
 /// #     let at = |x, y, z| Vec3::new(Number::from_integer(x), Number::from_integer(y), Number::from_integer(z));
 /// #     let base_up = base > apex;
@@ -65,9 +65,7 @@ pub type TracedDecision = (Decision, i8, bool);
 /// #     Block::new(vertices, faces, &BlockOptions { planarity: Number::ZERO }).unwrap()
 /// # }
 /// # let tolerances = ToleranceSet {
-/// #     search: Number::from_integer(2), territory: Number::ZERO, penetration: Number::from_integer(1),
-/// #     overlap_sine: Number::ZERO, parallel_sine: Number::ZERO, equal: Number::ZERO, open: Number::ZERO,
-/// #     close: Number::ZERO, max_displacement: Number::ZERO, max_rotation: Number::ZERO, criteria: Criteria::Revised,
+/// #     search: Number::from_integer(2), penetration: Number::from_integer(1), ..ToleranceSet::ZERO
 /// # };
 /// use num_rational::BigRational;
 /// // One tetrahedron on its tip above another that points up: tip to tip, one metre apart.

@@ -259,19 +259,12 @@ pub(crate) fn classic(changes: &[(&str, &str)]) -> ToleranceSet {
 }
 
 fn tolerances(criteria: Criteria, changes: &[(&str, &str)]) -> ToleranceSet {
-    let zero = || Number::ZERO;
     let mut set = ToleranceSet {
         search: number("1/10"),
         territory: number("1/50"),
         penetration: number("1/20"),
-        overlap_sine: zero(),
-        parallel_sine: zero(),
-        equal: zero(),
-        open: zero(),
-        close: zero(),
-        max_displacement: zero(),
-        max_rotation: zero(),
         criteria,
+        ..ToleranceSet::ZERO
     };
     for (name, value) in changes {
         let mut numbers = set.numbers_mut();

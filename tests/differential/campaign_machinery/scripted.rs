@@ -8,7 +8,7 @@ use rockproof_differential::engine::{
 use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{
-    Block, BlockOptions, Contact, ContactKey, ContactKind, Criteria, Entrance, FaceId, Number, Point, Precision, Sign,
+    Block, BlockOptions, Contact, ContactKey, ContactKind, Entrance, FaceId, Number, Point, Precision, Sign,
     ToleranceSet, VertexId,
 };
 
@@ -32,12 +32,9 @@ pub(crate) fn tolerances() -> ToleranceSet {
         penetration: number(0.25),
         overlap_sine: number(0.0625),
         parallel_sine: number(0.0625),
-        equal: number(0.0),
-        open: number(0.0),
-        close: number(0.0),
         max_displacement: number(0.125),
         max_rotation: number(0.125),
-        criteria: Criteria::Revised,
+        ..ToleranceSet::ZERO
     }
 }
 

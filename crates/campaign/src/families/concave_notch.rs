@@ -1,63 +1,53 @@
 //! Blocks in the notches of others.
 
-use super::{Family, PairSampler};
+use super::{Drawn, PairSampler};
 use crate::shapes::LatticeSolid;
 use crate::shapes::lattice_solid::Units;
-use rand_chacha::ChaCha8Rng;
+use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind, FaceId};
 
-#[derive(Debug)]
-pub(super) struct ConcaveNotch;
+pub(super) const CONCAVE_NOTCH: Drawn = Drawn {
+    name: "concave_notch",
+    about: "a block in, on or through the notch of a concave one, in its chamfered corner, or over a concave face level with an edge of it",
+    reaches: &ContactKind::ALL,
+    style: MotionStyle::Any,
+    draw,
+};
 
-impl Family for ConcaveNotch {
-    fn name(&self) -> &'static str {
-        "concave_notch"
-    }
-
-    fn describe(&self) -> &'static str {
-        "a block in, on or through the notch of a concave one, in its chamfered corner, or over a concave face level with an edge of it"
-    }
-
-    fn reaches(&self) -> &'static [ContactKind] {
-        &ContactKind::ALL
-    }
-
-    fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut sampler = PairSampler::new(rng);
-        let a = sampler.concave(16, 48);
-        let size = 2 * sampler.denominator();
-        let concave = sampler.chance(25);
-        let (a, b) = match sampler.below(6) {
-            0 | 1 => {
-                // A box whose corner goes into an inner corner, at a reflex edge's end or middle.
-                let b = if concave { sampler.concave(8, 32) } else { sampler.cuboid(4, 24) };
-                let b = if sampler.chance(25) { sampler.turned(&b) } else { sampler.cube_turned(&b) };
-                let at = reflex_point(&mut sampler, &a);
-                let vb = sampler.below(b.points().len() as u64) as usize;
-                let tip = b.points()[vb].map(|c| 2 * c);
-                let offset = sampler.small_vector(size);
-                sampler.point_to_point((&a, at), (&b, tip), offset)
-            }
-            2 => {
-                let b = if concave { sampler.concave(8, 32) } else { sampler.convex(8, 32) };
-                let b = sampler.cube_turned(&b);
-                let out = sampler.direction();
-                let (va, vb) = (a.furthest(out), b.furthest(out.map(|c| -c)));
-                let offset = sampler.small_vector(size);
-                sampler.vertex_to_vertex((&a, va), (&b, vb), offset)
-            }
-            3 => level_with_an_edge(&mut sampler, &a),
-            4 => into_a_chain(&mut sampler),
-            _ => {
-                // On top of the notched outline, shifted.
-                let b = if concave { sampler.concave(8, 32) } else { sampler.convex(8, 32) };
-                let (top, sole) = (a.furthest([-1, -2, 64]), b.furthest([-1, -2, -64]));
-                let offset = [sampler.length(0, 16), sampler.length(0, 16), sampler.gap(size)];
-                sampler.vertex_to_vertex((&a, top), (&b, sole), offset)
-            }
-        };
-        sampler.finish(a, b)
-    }
+fn draw(sampler: &mut PairSampler<'_>) -> (Block, Block) {
+    let a = sampler.concave(16, 48);
+    let size = 2 * sampler.denominator();
+    let concave = sampler.chance(25);
+    let (a, b) = match sampler.below(6) {
+        0 | 1 => {
+            // A box whose corner goes into an inner corner, at a reflex edge's end or middle.
+            let b = if concave { sampler.concave(8, 32) } else { sampler.cuboid(4, 24) };
+            let b = if sampler.chance(25) { sampler.turned(&b) } else { sampler.cube_turned(&b) };
+            let at = reflex_point(sampler, &a);
+            let vb = sampler.below(b.points().len() as u64) as usize;
+            let tip = b.points()[vb].map(|c| 2 * c);
+            let offset = sampler.small_vector(size);
+            sampler.point_to_point((&a, at), (&b, tip), offset)
+        }
+        2 => {
+            let b = if concave { sampler.concave(8, 32) } else { sampler.convex(8, 32) };
+            let b = sampler.cube_turned(&b);
+            let out = sampler.direction();
+            let (va, vb) = (a.furthest(out), b.furthest(out.map(|c| -c)));
+            let offset = sampler.small_vector(size);
+            sampler.vertex_to_vertex((&a, va), (&b, vb), offset)
+        }
+        3 => level_with_an_edge(sampler, &a),
+        4 => into_a_chain(sampler),
+        _ => {
+            // On top of the notched outline, shifted.
+            let b = if concave { sampler.concave(8, 32) } else { sampler.convex(8, 32) };
+            let (top, sole) = (a.furthest([-1, -2, 64]), b.furthest([-1, -2, -64]));
+            let offset = [sampler.length(0, 16), sampler.length(0, 16), sampler.gap(size)];
+            sampler.vertex_to_vertex((&a, top), (&b, sole), offset)
+        }
+    };
+    sampler.finish(a, b)
 }
 
 /// A block with a tip over a concave face of `a`, its foot on the line of one of the face's edges, mostly beyond an end.

@@ -1,41 +1,26 @@
 //! Two ridges that cross.
 
-use super::{Family, PairSampler};
+use super::{Drawn, PairSampler};
 use crate::shapes::LatticeSolid;
 use crate::shapes::lattice_solid::Units;
 use crate::steps::MotionStyle;
-use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 
-#[derive(Debug)]
-pub(super) struct EdgeCross;
+pub(super) const EDGE_CROSS: Drawn = Drawn {
+    name: "edge_cross",
+    about: "the ridge of a block across the keel of another, crossing inside, near or at the ends of the edges",
+    reaches: &[ContactKind::EdgeEdge],
+    style: MotionStyle::Pressing,
+    draw,
+};
 
-impl Family for EdgeCross {
-    fn name(&self) -> &'static str {
-        "edge_cross"
-    }
-
-    fn describe(&self) -> &'static str {
-        "the ridge of a block across the keel of another, crossing inside, near or at the ends of the edges"
-    }
-
-    fn reaches(&self) -> &'static [ContactKind] {
-        &[ContactKind::EdgeEdge]
-    }
-
-    fn motion_style(&self) -> MotionStyle {
-        MotionStyle::Pressing
-    }
-
-    fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut sampler = PairSampler::new(rng);
-        let below = ridge(&mut sampler);
-        let above = keel(&mut sampler);
-        let across = above.mapped(&[[0, -1, 0], [1, 0, 0], [0, 0, 1]], 1);
-        let above = if sampler.chance(60) { sampler.turned_flat(&across) } else { across };
-        let (a, b) = crossing_ridges(&mut sampler, &below, &above);
-        sampler.finish(a, b)
-    }
+fn draw(sampler: &mut PairSampler<'_>) -> (Block, Block) {
+    let below = ridge(sampler);
+    let above = keel(sampler);
+    let across = above.mapped(&[[0, -1, 0], [1, 0, 0], [0, 0, 1]], 1);
+    let above = if sampler.chance(60) { sampler.turned_flat(&across) } else { across };
+    let (a, b) = crossing_ridges(sampler, &below, &above);
+    sampler.finish(a, b)
 }
 
 /// A block whose highest feature is an edge along x.

@@ -42,6 +42,38 @@ pub trait Family: fmt::Debug + Send + Sync {
     }
 }
 
+/// A family that draws every pair by itself.
+#[derive(Debug)]
+struct Drawn {
+    name: &'static str,
+    about: &'static str,
+    reaches: &'static [ContactKind],
+    style: MotionStyle,
+    draw: fn(&mut PairSampler<'_>) -> (Block, Block),
+}
+
+impl Family for Drawn {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn describe(&self) -> &'static str {
+        self.about
+    }
+
+    fn reaches(&self) -> &'static [ContactKind] {
+        self.reaches
+    }
+
+    fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
+        (self.draw)(&mut PairSampler::new(rng))
+    }
+
+    fn motion_style(&self) -> MotionStyle {
+        self.style
+    }
+}
+
 /// Every family, with `real` on the pairs the program carries. The order is part of what a seed means.
 pub fn all() -> Vec<Arc<dyn Family>> {
     let mut families = local();
@@ -66,16 +98,17 @@ pub fn named<'n>(names: &[&'n str]) -> Result<Vec<Arc<dyn Family>>, &'n str> {
 
 /// The families of ordinary size near the origin.
 fn local() -> Vec<Arc<dyn Family>> {
-    vec![
-        Arc::new(face_stack::FaceStack),
-        Arc::new(corner_corner::CornerCorner),
-        Arc::new(edge_cross::EdgeCross),
-        Arc::new(quasi_parallel_edges::QuasiParallelEdges),
-        Arc::new(sharp_wedge::SharpWedge),
-        Arc::new(sliver::Sliver),
-        Arc::new(vertex_on_edge::VertexOnEdge),
-        Arc::new(coplanar_slide::CoplanarSlide),
-        Arc::new(size_ratio::SizeRatio),
-        Arc::new(concave_notch::ConcaveNotch),
-    ]
+    let families = [
+        face_stack::FACE_STACK,
+        corner_corner::CORNER_CORNER,
+        edge_cross::EDGE_CROSS,
+        quasi_parallel_edges::QUASI_PARALLEL_EDGES,
+        sharp_wedge::SHARP_WEDGE,
+        sliver::SLIVER,
+        vertex_on_edge::VERTEX_ON_EDGE,
+        coplanar_slide::COPLANAR_SLIDE,
+        size_ratio::SIZE_RATIO,
+        concave_notch::CONCAVE_NOTCH,
+    ];
+    families.into_iter().map(|family| Arc::new(family) as Arc<dyn Family>).collect()
 }

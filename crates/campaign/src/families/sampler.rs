@@ -9,32 +9,18 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
 use rockproof_model::Block;
 
-/// Which numbers the coordinates of a pair are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum CoordinateStyle {
-    /// Multiples of 2⁻¹⁰ m: f32 holds them, so ties survive in every engine.
-    Grid,
-    /// Multiples of 2⁻³⁰ m: f64 holds them, f32 rounds.
-    Rounded,
-    /// Multiples of 2⁻⁴⁴ m: f64 holds most with its last bits in use, the rest are finer.
-    Full,
-    /// Fractions that no binary number holds.
-    Fraction,
-}
-
-impl CoordinateStyle {
-    /// All styles.
-    pub const ALL: [CoordinateStyle; 4] =
-        [CoordinateStyle::Grid, CoordinateStyle::Rounded, CoordinateStyle::Full, CoordinateStyle::Fraction];
-
-    /// The name used in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            CoordinateStyle::Grid => "grid",
-            CoordinateStyle::Rounded => "rounded",
-            CoordinateStyle::Full => "full",
-            CoordinateStyle::Fraction => "fraction",
-        }
+rockproof_model::named_enum! {
+    /// Which numbers the coordinates of a pair are.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum CoordinateStyle {
+        /// Multiples of 2⁻¹⁰ m: f32 holds them, so ties survive in every engine.
+        Grid = "grid",
+        /// Multiples of 2⁻³⁰ m: f64 holds them, f32 rounds.
+        Rounded = "rounded",
+        /// Multiples of 2⁻⁴⁴ m: f64 holds most with its last bits in use, the rest are finer.
+        Full = "full",
+        /// Fractions that no binary number holds.
+        Fraction = "fraction",
     }
 }
 

@@ -1,52 +1,42 @@
 //! Wedges of a few degrees.
 
 use super::edge_cross::{crossing, middle};
-use super::{Family, PairSampler};
+use super::{Drawn, PairSampler};
 use crate::shapes::LatticeSolid;
-use rand_chacha::ChaCha8Rng;
+use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
-#[derive(Debug)]
-pub(super) struct SharpWedge;
+pub(super) const SHARP_WEDGE: Drawn = Drawn {
+    name: "sharp_wedge",
+    about: "a wedge of some degrees, lying on, entering, pointing at or flat across another wedge or block",
+    reaches: &[ContactKind::VertexVertex, ContactKind::VertexFace, ContactKind::FaceVertex],
+    style: MotionStyle::Any,
+    draw,
+};
 
-impl Family for SharpWedge {
-    fn name(&self) -> &'static str {
-        "sharp_wedge"
+fn draw(sampler: &mut PairSampler<'_>) -> (Block, Block) {
+    if sampler.chance(15) {
+        return blades(sampler);
     }
-
-    fn describe(&self) -> &'static str {
-        "a wedge of some degrees, lying on, entering, pointing at or flat across another wedge or block"
-    }
-
-    fn reaches(&self) -> &'static [ContactKind] {
-        &[ContactKind::VertexVertex, ContactKind::VertexFace, ContactKind::FaceVertex]
-    }
-
-    fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut sampler = PairSampler::new(rng);
-        if sampler.chance(15) {
-            return blades(&mut sampler);
-        }
-        let a = sharp(&mut sampler);
-        let other = if sampler.chance(60) { sharp(&mut sampler) } else { sampler.convex(16, 64) };
-        let b = sampler.cube_turned(&other);
-        let b = if sampler.chance(30) { sampler.turned_flat(&b) } else { b };
-        let size = 2 * sampler.denominator();
-        // The tip of the wedge against a vertex, or its sole against whatever of B comes first.
-        let (a, b) = if sampler.chance(50) {
-            let tips: Vec<usize> = (0..a.points().len()).filter(|&v| a.points()[v][0] == 0).collect();
-            let tip = *sampler.pick(&tips);
-            let vb = sampler.below(b.points().len() as u64) as usize;
-            let offset = sampler.small_vector(size);
-            sampler.vertex_to_vertex((&a, tip), (&b, vb), offset)
-        } else {
-            let vb = b.furthest([sampler.between(-1, 1), sampler.between(-1, 1), 4]);
-            let sole = a.furthest([1, 1, -16]);
-            let offset = [-sampler.length(0, 40), -sampler.length(0, 8), -sampler.gap(size)];
-            sampler.vertex_to_vertex((&a, sole), (&b, vb), offset)
-        };
-        sampler.finish(a, b)
-    }
+    let a = sharp(sampler);
+    let other = if sampler.chance(60) { sharp(sampler) } else { sampler.convex(16, 64) };
+    let b = sampler.cube_turned(&other);
+    let b = if sampler.chance(30) { sampler.turned_flat(&b) } else { b };
+    let size = 2 * sampler.denominator();
+    // The tip of the wedge against a vertex, or its sole against whatever of B comes first.
+    let (a, b) = if sampler.chance(50) {
+        let tips: Vec<usize> = (0..a.points().len()).filter(|&v| a.points()[v][0] == 0).collect();
+        let tip = *sampler.pick(&tips);
+        let vb = sampler.below(b.points().len() as u64) as usize;
+        let offset = sampler.small_vector(size);
+        sampler.vertex_to_vertex((&a, tip), (&b, vb), offset)
+    } else {
+        let vb = b.furthest([sampler.between(-1, 1), sampler.between(-1, 1), 4]);
+        let sole = a.furthest([1, 1, -16]);
+        let offset = [-sampler.length(0, 40), -sampler.length(0, 8), -sampler.gap(size)];
+        sampler.vertex_to_vertex((&a, sole), (&b, vb), offset)
+    };
+    sampler.finish(a, b)
 }
 
 /// Two blades that lie flat, one's edge across the other's. Each opens to both sides of its edge alike, so neither leans

@@ -1,47 +1,37 @@
 //! Thin plates, needles and short edges.
 
-use super::{Family, PairSampler};
+use super::{Drawn, PairSampler};
 use crate::shapes::LatticeSolid;
-use rand_chacha::ChaCha8Rng;
+use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
-#[derive(Debug)]
-pub(super) struct Sliver;
+pub(super) const SLIVER: Drawn = Drawn {
+    name: "sliver",
+    about: "a plate, a needle or a block with a sliver face against another block",
+    reaches: &[ContactKind::VertexFace, ContactKind::FaceVertex, ContactKind::EdgeEdge],
+    style: MotionStyle::Any,
+    draw,
+};
 
-impl Family for Sliver {
-    fn name(&self) -> &'static str {
-        "sliver"
-    }
-
-    fn describe(&self) -> &'static str {
-        "a plate, a needle or a block with a sliver face against another block"
-    }
-
-    fn reaches(&self) -> &'static [ContactKind] {
-        &[ContactKind::VertexFace, ContactKind::FaceVertex, ContactKind::EdgeEdge]
-    }
-
-    fn generate(&self, rng: &mut ChaCha8Rng) -> (Block, Block) {
-        let mut sampler = PairSampler::new(rng);
-        let thin = thin(&mut sampler);
-        let a = sampler.cube_turned(&thin);
-        let a = if sampler.chance(25) { sampler.turned(&a) } else { a };
-        let b = if sampler.chance(20) { self::thin(&mut sampler) } else { sampler.convex(8, 48) };
-        let (va, vb) = if sampler.chance(50) {
-            let out = sampler.direction();
-            (a.furthest(out), b.furthest(out.map(|c| -c)))
-        } else {
-            (a.furthest([1, 2, 4]), b.furthest([1, 2, -4]))
-        };
-        let size = 2 * sampler.denominator();
-        let offset = if sampler.chance(50) {
-            sampler.small_vector(size)
-        } else {
-            [-sampler.length(0, 16), -sampler.length(0, 16), sampler.gap(size)]
-        };
-        let (a, b) = sampler.vertex_to_vertex((&a, va), (&b, vb), offset);
-        sampler.finish(a, b)
-    }
+fn draw(sampler: &mut PairSampler<'_>) -> (Block, Block) {
+    let thin = thin(sampler);
+    let a = sampler.cube_turned(&thin);
+    let a = if sampler.chance(25) { sampler.turned(&a) } else { a };
+    let b = if sampler.chance(20) { self::thin(sampler) } else { sampler.convex(8, 48) };
+    let (va, vb) = if sampler.chance(50) {
+        let out = sampler.direction();
+        (a.furthest(out), b.furthest(out.map(|c| -c)))
+    } else {
+        (a.furthest([1, 2, 4]), b.furthest([1, 2, -4]))
+    };
+    let size = 2 * sampler.denominator();
+    let offset = if sampler.chance(50) {
+        sampler.small_vector(size)
+    } else {
+        [-sampler.length(0, 16), -sampler.length(0, 16), sampler.gap(size)]
+    };
+    let (a, b) = sampler.vertex_to_vertex((&a, va), (&b, vb), offset);
+    sampler.finish(a, b)
 }
 
 fn thin(sampler: &mut PairSampler<'_>) -> LatticeSolid {

@@ -5,46 +5,26 @@ use num_rational::BigRational;
 use rockproof_model::Number;
 use std::fmt;
 
-/// One way to make a pair of blocks extreme.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum StressAxis {
-    /// Distance from the origin over the size of the pair.
-    Offset,
-    /// Units: every coordinate divided, as metres become kilometres and more.
-    ScaleDown,
-    /// Units: every coordinate multiplied, as metres become millimetres and more.
-    ScaleUp,
-    /// Size of one block over that of the other.
-    Ratio,
-    /// Thickness of one block over its length.
-    Sliver,
-    /// The angle between two edges, or between two faces (rad).
-    Angle,
+rockproof_model::named_enum! {
+    /// One way to make a pair of blocks extreme. The family of a pair is its name, a dash and the level.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum StressAxis {
+        /// Distance from the origin over the size of the pair.
+        Offset = "offset",
+        /// Units: every coordinate divided, as metres become kilometres and more.
+        ScaleDown = "scale_down",
+        /// Units: every coordinate multiplied, as metres become millimetres and more.
+        ScaleUp = "scale_up",
+        /// Size of one block over that of the other.
+        Ratio = "ratio",
+        /// Thickness of one block over its length.
+        Sliver = "sliver",
+        /// The angle between two edges, or between two faces (rad).
+        Angle = "angle",
+    }
 }
 
 impl StressAxis {
-    /// All axes.
-    pub const ALL: [StressAxis; 6] = [
-        StressAxis::Offset,
-        StressAxis::ScaleDown,
-        StressAxis::ScaleUp,
-        StressAxis::Ratio,
-        StressAxis::Sliver,
-        StressAxis::Angle,
-    ];
-
-    /// The name in tables; a pair's family is this, a dash and its level.
-    pub fn name(self) -> &'static str {
-        match self {
-            StressAxis::Offset => "offset",
-            StressAxis::ScaleDown => "scale_down",
-            StressAxis::ScaleUp => "scale_up",
-            StressAxis::Ratio => "ratio",
-            StressAxis::Sliver => "sliver",
-            StressAxis::Angle => "angle",
-        }
-    }
-
     /// What a level counts.
     pub fn meaning(self) -> &'static str {
         match self {
@@ -100,25 +80,14 @@ impl fmt::Display for StressLevel {
     }
 }
 
-/// Whether the pairs of a cell hold ties.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum PairAlignment {
-    /// Blocks in a grid, as drawn: faces flush, corners on edges. Most pairs hold exact ties.
-    Aligned,
-    /// Blocks turned and shifted by random amounts: no tie but by a rare accident.
-    Generic,
-}
-
-impl PairAlignment {
-    /// Both forms.
-    pub const ALL: [PairAlignment; 2] = [PairAlignment::Aligned, PairAlignment::Generic];
-
-    /// `aligned` or `generic`.
-    pub fn name(self) -> &'static str {
-        match self {
-            PairAlignment::Aligned => "aligned",
-            PairAlignment::Generic => "generic",
-        }
+rockproof_model::named_enum! {
+    /// Whether the pairs of a cell hold ties.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum PairAlignment {
+        /// Blocks in a grid, as drawn: faces flush, corners on edges. Most pairs hold exact ties.
+        Aligned = "aligned",
+        /// Blocks turned and shifted by random amounts: no tie but by a rare accident.
+        Generic = "generic",
     }
 }
 

@@ -1,6 +1,7 @@
 //! What steps do where nothing should happen: a block at rest for 10,000 steps, and stiff contacts above soft ones.
 
 use super::scenes::{self, StepsError, WEIGHT};
+use rockproof_differential::row::written;
 use rockproof_model::{Motion, Number, Precision};
 use rockproof_stepper::dynamics::{Dynamics, Solve};
 
@@ -167,24 +168,24 @@ fn highest<R: Solve>(dynamics: &Dynamics<R>, block: usize) -> f64 {
 /// # Errors
 /// Those of the CSV writer.
 pub fn to_csv(all: &[ClosedFormCheck]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(STEP_COLUMNS)?;
     let number = |value: f64| if value.is_finite() { format!("{value:.3e}") } else { String::new() };
-    for m in all {
-        writer.write_record([
-            m.case.to_owned(),
-            m.motion.name().to_owned(),
-            m.engine.to_owned(),
-            m.level.to_string(),
-            number(m.overlap),
-            number(m.expected),
-            number(m.error()),
-            number(m.drift),
-            m.unconverged.to_string(),
-            m.stopped.clone().unwrap_or_default(),
-        ])?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+    written(
+        &STEP_COLUMNS,
+        all.iter().map(|m| {
+            [
+                m.case.to_owned(),
+                m.motion.name().to_owned(),
+                m.engine.to_owned(),
+                m.level.to_string(),
+                number(m.overlap),
+                number(m.expected),
+                number(m.error()),
+                number(m.drift),
+                m.unconverged.to_string(),
+                m.stopped.clone().unwrap_or_default(),
+            ]
+        }),
+    )
 }
 
 #[cfg(test)]

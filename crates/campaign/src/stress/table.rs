@@ -5,7 +5,7 @@ use crate::proportion::{is_above, trials_to_tell, wilson};
 use crate::summary::Summary;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, FINDING_COLUMNS, FindingScope};
-use rockproof_differential::row::{FindingRow, typed_rows};
+use rockproof_differential::row::{FindingRow, typed_rows, written};
 use rockproof_model::Precision;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
@@ -265,17 +265,17 @@ impl AgreementLimit {
 /// # Errors
 /// Those of the CSV writer.
 pub fn cells_csv(rows: &[CellRow]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(CELL_COLUMNS)?;
-    for row in rows {
-        let [low, high] = wilson(row.differ, row.pairs);
-        let counts = [row.pairs, row.representation, row.arithmetic, row.lost, row.differ].map(|c| c.to_string());
-        let shares = [row.differ as f64 / row.pairs.max(1) as f64, low, high].map(|share| format!("{share:.6}"));
-        let (level, form) = (row.cell.level.to_string(), row.cell.form.name().to_owned());
-        let start = [row.cell.axis.name().to_owned(), level, form, row.tolerances.clone(), row.engine.clone()];
-        writer.write_record(start.iter().chain(&counts).chain(&shares))?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+    written(
+        &CELL_COLUMNS,
+        rows.iter().map(|row| {
+            let [low, high] = wilson(row.differ, row.pairs);
+            let counts = [row.pairs, row.representation, row.arithmetic, row.lost, row.differ].map(|c| c.to_string());
+            let shares = [row.differ as f64 / row.pairs.max(1) as f64, low, high].map(|share| format!("{share:.6}"));
+            let (level, form) = (row.cell.level.to_string(), row.cell.form.name().to_owned());
+            let start = [row.cell.axis.name().to_owned(), level, form, row.tolerances.clone(), row.engine.clone()];
+            [&start[..], &counts, &shares].concat()
+        }),
+    )
 }
 
 /// `limits.csv`.
@@ -283,26 +283,26 @@ pub fn cells_csv(rows: &[CellRow]) -> Result<Vec<u8>, csv::Error> {
 /// # Errors
 /// Those of the CSV writer.
 pub fn limits_csv(limits: &[AgreementLimit]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(LIMIT_COLUMNS)?;
     let level = |level: Option<StressLevel>| level.map_or(String::new(), |level| level.to_string());
-    for limit in limits {
-        let (pairs, differ, high) = limit.up_to_safe;
-        writer.write_record([
-            limit.axis.name().to_owned(),
-            limit.form.name().to_owned(),
-            limit.tolerances.clone(),
-            limit.engine.clone(),
-            level(limit.clean),
-            level(limit.safe),
-            pairs.to_string(),
-            differ.to_string(),
-            if pairs == 0 { String::new() } else { format!("{high:.6}") },
-            level(limit.beyond.map(|(level, _)| level)),
-            limit.beyond.map_or(String::new(), |(_, share)| format!("{share:.6}")),
-        ])?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+    written(
+        &LIMIT_COLUMNS,
+        limits.iter().map(|limit| {
+            let (pairs, differ, high) = limit.up_to_safe;
+            [
+                limit.axis.name().to_owned(),
+                limit.form.name().to_owned(),
+                limit.tolerances.clone(),
+                limit.engine.clone(),
+                level(limit.clean),
+                level(limit.safe),
+                pairs.to_string(),
+                differ.to_string(),
+                if pairs == 0 { String::new() } else { format!("{high:.6}") },
+                level(limit.beyond.map(|(level, _)| level)),
+                limit.beyond.map_or(String::new(), |(_, share)| format!("{share:.6}")),
+            ]
+        }),
+    )
 }
 
 #[cfg(test)]

@@ -2,43 +2,24 @@
 
 use crate::finding::FAR;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
-/// What a row of a diagnosis says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DiagnosisVerdict {
-    /// The hypothesis explains the answers, and no right answer that was looked at speaks against it.
-    Explains,
-    /// So does this one, the same answers as the one above it, and the engine gave nothing that tells the two apart.
-    AsWell,
-    /// No hypothesis explains them, and they are so near to ties that rounding can be the reason.
-    Rounding,
-    /// No hypothesis explains them, nor does rounding.
-    Unexplained,
-    /// They were right when the engine was asked again.
-    NotRepeated,
-    /// The hypothesis explains some, and right answers speak against it.
-    Contradicted,
-}
-
-impl DiagnosisVerdict {
-    /// The name in `diagnosis.csv`.
-    pub fn name(self) -> &'static str {
-        match self {
-            DiagnosisVerdict::Explains => "explains",
-            DiagnosisVerdict::AsWell => "as-well",
-            DiagnosisVerdict::Rounding => "rounding",
-            DiagnosisVerdict::Unexplained => "unexplained",
-            DiagnosisVerdict::NotRepeated => "not-repeated",
-            DiagnosisVerdict::Contradicted => "contradicted",
-        }
-    }
-}
-
-impl fmt::Display for DiagnosisVerdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
+rockproof_model::named_enum! {
+    /// What a row of a diagnosis says.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum DiagnosisVerdict: Display {
+        /// The hypothesis explains the answers, and no right answer that was looked at speaks against it.
+        Explains = "explains",
+        /// So does this one, the same answers as the one above it, and the engine gave nothing that tells the two apart.
+        AsWell = "as-well",
+        /// No hypothesis explains them, and they are so near to ties that rounding can be the reason.
+        Rounding = "rounding",
+        /// No hypothesis explains them, nor does rounding.
+        Unexplained = "unexplained",
+        /// They were right when the engine was asked again.
+        NotRepeated = "not-repeated",
+        /// The hypothesis explains some, and right answers speak against it.
+        Contradicted = "contradicted",
     }
 }
 

@@ -1,7 +1,7 @@
 //! SPEC section 3's rule on the penalty stiffness.
 
 use super::largest::{factor, may_be_largest};
-use super::{LengthLocation, RequiredValue, Rule, RuleSlack, Violation, Violations, check};
+use super::{LengthLocation, Relation, RequiredValue, Rule, RuleSlack, Violation, Violations, check};
 use crate::block::Block;
 use crate::number::{Number, Precision};
 use crate::scene::{Scene, SceneBlock};
@@ -75,7 +75,12 @@ fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violations> {
     }
     let mut violations = Violations::default();
     let place = LengthLocation { block: worst.block, edge: None };
-    violations.at_most_squared(Rule::Stiffness, (&worst.squared, &allowed_squared), Some(place), &remedies);
+    violations.require(
+        Rule::Stiffness,
+        (&worst.squared, Relation::AtMostSquared, &allowed_squared),
+        Some(place),
+        &remedies,
+    );
     Some(violations)
 }
 

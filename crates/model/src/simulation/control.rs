@@ -53,51 +53,25 @@ impl Default for Control {
     }
 }
 
-/// How the displacement of a step moves a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kinematics {
-    /// x + T(x)·d: a block that turns swells by the square of the angle.
-    Linear,
-    /// Stretch, rational rotation `(I − [r]/2)⁻¹(I + [r]/2)`, translation: volume changes by strain alone.
-    Cayley,
-}
-
-impl Kinematics {
-    /// `linear` or `cayley`, as written in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kinematics::Linear => "linear",
-            Kinematics::Cayley => "cayley",
-        }
-    }
-
-    /// The kinematics written `name`, if there are any.
-    pub fn from_name(name: &str) -> Option<Kinematics> {
-        [Kinematics::Linear, Kinematics::Cayley].into_iter().find(|k| k.name() == name)
+crate::named_enum! {
+    /// How the displacement of a step moves a block.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Kinematics: from_name {
+        /// x + T(x)·d: a block that turns swells by the square of the angle.
+        Linear = "linear",
+        /// Stretch, rational rotation `(I − [r]/2)⁻¹(I + [r]/2)`, translation: volume changes by strain alone.
+        Cayley = "cayley",
     }
 }
 
-/// What follows a step whose open–close iteration did not converge at the smallest Δt.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Unconverged {
-    /// The run stops and says where.
-    Stop,
-    /// The step is accepted and marked.
-    Accept,
-}
-
-impl Unconverged {
-    /// `stop` or `accept`, as written in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Unconverged::Stop => "stop",
-            Unconverged::Accept => "accept",
-        }
-    }
-
-    /// The choice written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<Unconverged> {
-        [Unconverged::Stop, Unconverged::Accept].into_iter().find(|u| u.name() == name)
+crate::named_enum! {
+    /// What follows a step whose open–close iteration did not converge at the smallest Δt.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Unconverged: from_name {
+        /// The run stops and says where.
+        Stop = "stop",
+        /// The step is accepted and marked.
+        Accept = "accept",
     }
 }
 

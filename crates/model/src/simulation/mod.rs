@@ -53,36 +53,21 @@ impl Default for Simulation {
     }
 }
 
-/// The unknowns of a block.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Motion {
-    /// Twelve unknowns: translation, rotation, six strains.
-    #[default]
-    Deformable,
-    /// Six unknowns: translation and rotation.
-    Rigid,
-    /// No unknown: the block never moves.
-    Fixed,
+crate::named_enum! {
+    /// The unknowns of a block.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Motion: from_name {
+        /// Twelve unknowns: translation, rotation, six strains.
+        #[default]
+        Deformable = "deformable",
+        /// Six unknowns: translation and rotation.
+        Rigid = "rigid",
+        /// No unknown: the block never moves.
+        Fixed = "fixed",
+    }
 }
 
 impl Motion {
-    /// All, by number of unknowns.
-    pub const ALL: [Motion; 3] = [Motion::Deformable, Motion::Rigid, Motion::Fixed];
-
-    /// `deformable`, `rigid` or `fixed`, as written in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Motion::Deformable => "deformable",
-            Motion::Rigid => "rigid",
-            Motion::Fixed => "fixed",
-        }
-    }
-
-    /// The motion written `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<Motion> {
-        Motion::ALL.into_iter().find(|motion| motion.name() == name)
-    }
-
     /// 12, 6 or 0.
     pub fn unknowns(self) -> usize {
         match self {

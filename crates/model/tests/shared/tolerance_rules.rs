@@ -101,12 +101,10 @@ impl Values {
             penetration: number(&self.g),
             overlap_sine: number(&self.so),
             parallel_sine: number(&self.sp),
-            equal: Number::ZERO,
-            open: Number::ZERO,
-            close: Number::ZERO,
             max_displacement: number(&self.u),
             max_rotation: number(&self.w),
             criteria,
+            ..ToleranceSet::ZERO
         }
     }
 }

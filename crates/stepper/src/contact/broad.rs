@@ -2,13 +2,12 @@
 
 use crate::contact::classify::ClassificationRequest;
 use crate::contact::prepared_block::PreparedBlock;
-use crate::contact::rules::{ContactRules, SpecRules};
+use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::decision::Side;
 use rockproof_model::{ContactKey, EdgeId, VertexId};
-use std::cmp::Ordering;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
@@ -55,44 +54,6 @@ impl<R: Real> Bounds<R> {
 /// Rough phase: A's box grown by s meets B's. **Touching counts.**
 pub fn neighbours<R: Real, M: ContactRules>(a: &PreparedBlock<R>, b: &PreparedBlock<R>, t: &Tolerances<R>) -> bool {
     a.bounds().apart(b.bounds()).into_iter().all(|apart| M::neighbours(apart, t.search))
-}
-
-/// All pairs (i, j), i < j, of blocks that are neighbours, in ascending order: a sweep along the axis on which the
-/// blocks spread the widest.
-pub fn neighbouring_pairs<R: Real>(solids: &[PreparedBlock<R>], t: &Tolerances<R>) -> Vec<(usize, usize)> {
-    let axis = widest_axis(solids);
-    let low = |i: usize| solids[i].bounds().low.components()[axis];
-    let high = |i: usize| solids[i].bounds().high.components()[axis];
-    let mut order: Vec<usize> = (0..solids.len()).collect();
-    order.sort_by(|&i, &j| match (low(i).below(low(j)), low(j).below(low(i))) {
-        (true, _) => Ordering::Less,
-        (_, true) => Ordering::Greater,
-        _ => i.cmp(&j),
-    });
-    let mut pairs = Vec::new();
-    // Blocks that reach the place where the sweep stands.
-    let mut open: Vec<usize> = Vec::new();
-    for &i in &order {
-        open.retain(|&j| !t.reach.below(low(i) - high(j)));
-        for &j in &open {
-            if neighbours::<R, SpecRules>(&solids[i.min(j)], &solids[i.max(j)], t) {
-                pairs.push((i.min(j), i.max(j)));
-            }
-        }
-        open.push(i);
-    }
-    pairs.sort_unstable();
-    pairs
-}
-
-fn widest_axis<R: Real>(solids: &[PreparedBlock<R>]) -> usize {
-    let Some(first) = solids.first() else { return 0 };
-    let all = solids.iter().fold(*first.bounds(), |all, solid| Bounds {
-        low: all.low.smaller(solid.bounds().low),
-        high: all.high.larger(solid.bounds().high),
-    });
-    let spread = (all.high - all.low).components();
-    (1..3).fold(0, |widest, axis| if spread[widest].below(spread[axis]) { axis } else { widest })
 }
 
 /// How far apart the features of a contact of this pair may be: the tolerances' reach, or farther where the features of a

@@ -67,16 +67,6 @@ pub fn classify_traced<R: Real, M: ContactRules>(
     ClassificationRequest { a, b, tolerances: t, kept: &[], among: None }.traced::<M>()
 }
 
-/// The contacts of two blocks where nothing is kept, watched by an observer.
-pub fn classify_observed<R: Real, M: ContactRules, O: Observer>(
-    a: &PreparedBlock<R>,
-    b: &PreparedBlock<R>,
-    t: &Tolerances<R>,
-    seen: &mut O,
-) -> Vec<ComputedContact<R>> {
-    ClassificationRequest { a, b, tolerances: t, kept: &[], among: None }.observed::<M, O>(seen)
-}
-
 impl<R: Real> ClassificationRequest<'_, R> {
     /// The contacts, with every decision made on the way.
     ///

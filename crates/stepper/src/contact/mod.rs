@@ -18,10 +18,8 @@ mod vertex_edge;
 mod vertex_face;
 mod vertex_vertex;
 
-pub use broad::{Bounds, neighbouring_pairs, neighbours};
-pub use classify::{
-    ClassificationRequest, ComputedContact, classify, classify_keeping, classify_observed, classify_traced,
-};
+pub use broad::{Bounds, neighbours};
+pub use classify::{ClassificationRequest, ComputedContact, classify, classify_keeping, classify_traced};
 pub use compiled::CompiledContacts;
 pub use nearby_pairs::NearbyPairs;
 pub use prepared_block::{Collapsed, PreparedBlock};

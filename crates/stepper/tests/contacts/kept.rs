@@ -1,7 +1,8 @@
 //! Kept contacts: depth alone does not end them, and everything else does. Dyadic, as in `hand_worked`.
 
+use crate::golden_contacts;
 use crate::hand_worked::{base, check, check_keeping};
-use crate::pairs::{self, cone, cuboid, keel, n, ridge, spike, tolerances};
+use crate::pairs::{cone, cuboid, keel, n, ridge, spike, tolerances};
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, ContactKey, ContactKind, ToleranceSet};
 use rockproof_stepper::contact::{ClassificationRequest, SpecRules};
@@ -119,7 +120,7 @@ fn culling_is_silent<R: Real>(a: &Block, b: &Block, t: &ToleranceSet) -> usize {
 #[test]
 fn culling_never_loses_a_kept_contact() {
     let mut more = [0; 3];
-    for pair in pairs::golden() {
+    for pair in golden_contacts::pairs() {
         more[0] += culling_is_silent::<f32>(&pair.a, &pair.b, &pair.tolerances);
         more[1] += culling_is_silent::<f64>(&pair.a, &pair.b, &pair.tolerances);
         more[2] += culling_is_silent::<Wide>(&pair.a, &pair.b, &pair.tolerances);

@@ -1,6 +1,8 @@
 //! Contact classification (SPEC section 4) in floats: hand-worked pairs, the golden pairs of an independent implementation,
 //! preparation and traces, the wide scalar, and one planted mistake at a time.
 
+#[path = "../../../../tests/golden/golden_contacts.rs"]
+mod golden_contacts;
 #[path = "../support/mistakes.rs"]
 mod mistakes;
 #[path = "../support/pairs.rs"]

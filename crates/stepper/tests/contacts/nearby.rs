@@ -1,6 +1,7 @@
 //! While blocks stay near where they are, the pairs of features found there give the contacts that all pairs give, bit for bit.
 
-use crate::pairs::{self, GoldenPair};
+use crate::golden_contacts::{self, GoldenPair};
+use crate::pairs;
 use rockproof_model::{ContactKey, ToleranceSet};
 use rockproof_stepper::contact::{ClassificationRequest, ContactRules, NearbyPairs, SpecRules};
 use rockproof_stepper::{PreparedBlock, Real, Tolerances, Vector, Wide};
@@ -91,7 +92,7 @@ fn look<R: Real>(pair: &GoldenPair, share: f64, farther: f64, forget_kept: bool,
 
 fn look_at_all<R: Real>(share: f64, farther: f64, forget_kept: bool) -> Seen {
     let (mut random, mut seen) = (Random(7), Seen::default());
-    for pair in pairs::golden() {
+    for pair in golden_contacts::pairs() {
         look::<R>(&pair, share, farther, forget_kept, &mut random, &mut seen);
     }
     seen

@@ -1,13 +1,13 @@
 //! Preparation, boxes, traces and errors of the stepper.
 
 use crate::bent::{bent, short_reach, tips};
+use crate::golden_contacts;
 use crate::hand_worked::base;
 use crate::pairs::{self, block, cuboid, n, spike, tetrahedron, tolerances};
-use proptest::prelude::*;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, BlockOptions, EdgeId, FaceId, ToleranceSet, Vec3, VertexId};
 use rockproof_stepper::contact::prepared_block::{CollapsedPart, FaceOfEdge};
-use rockproof_stepper::contact::{SpecRules, ToleranceOverflow, neighbouring_pairs, neighbours};
+use rockproof_stepper::contact::{SpecRules, ToleranceOverflow};
 use rockproof_stepper::{
     Classifier, Collapsed, EngineError, PreparedBlock, Real, Stepper, Tolerances, Vector, Wide, classify,
     classify_traced,
@@ -185,7 +185,7 @@ fn a_trace_names_every_decision_and_changes_nothing() {
 #[test]
 fn all_predicates_are_traced_and_answered_both_ways() {
     let mut seen = std::collections::BTreeSet::new();
-    for pair in pairs::golden() {
+    for pair in golden_contacts::pairs() {
         let (a, b) = (PreparedBlock::<f64>::new(&pair.a).unwrap(), PreparedBlock::<f64>::new(&pair.b).unwrap());
         let t = Tolerances::new(&pair.tolerances).unwrap();
         let (_, decisions) = classify_traced::<f64, SpecRules>(&a, &b, &t);
@@ -222,7 +222,7 @@ fn culling_is_silent<R: Real>(a: &Block, b: &Block, t: &ToleranceSet) {
 
 #[test]
 fn culling_never_changes_an_answer() {
-    for pair in pairs::golden() {
+    for pair in golden_contacts::pairs() {
         culling_is_silent::<f32>(&pair.a, &pair.b, &pair.tolerances);
         culling_is_silent::<f64>(&pair.a, &pair.b, &pair.tolerances);
         culling_is_silent::<Wide>(&pair.a, &pair.b, &pair.tolerances);
@@ -235,33 +235,5 @@ fn culling_never_changes_an_answer() {
             culling_is_silent::<f64>(a, b, &t);
             culling_is_silent::<Wide>(a, b, &t);
         }
-    }
-}
-
-proptest! {
-    #[test]
-    fn the_sweep_finds_the_pairs_that_all_pairs_finds(
-        corners in prop::collection::vec((prop::array::uniform3(0u8..24), prop::array::uniform3(1u8..5)), 0..24),
-    ) {
-        // Eighths of a metre, so that touching and s apart (1/8) are common and exact.
-        let solids: Vec<_> = corners
-            .iter()
-            .map(|(low, size)| {
-                let low = low.map(|c| f64::from(c) / 8.0);
-                let high = [0, 1, 2].map(|k| low[k] + f64::from(size[k]) / 8.0);
-                PreparedBlock::<f64>::new(&cuboid(low, high)).unwrap()
-            })
-            .collect();
-        let t = Tolerances::new(&tolerances()).unwrap();
-        let mut expected = Vec::new();
-        for j in 0..solids.len() {
-            for i in 0..j {
-                if neighbours::<f64, SpecRules>(&solids[i], &solids[j], &t) {
-                    expected.push((i, j));
-                }
-            }
-        }
-        expected.sort_unstable();
-        prop_assert_eq!(neighbouring_pairs(&solids, &t), expected);
     }
 }

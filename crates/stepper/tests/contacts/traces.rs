@@ -1,6 +1,7 @@
 //! What a trace says of choices: which entrance was chosen, and which exits stay.
 
-use crate::pairs::{self, corner_block, leaning, tolerances};
+use crate::golden_contacts;
+use crate::pairs::{corner_block, leaning, tolerances};
 use rockproof_model::Block;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{FaceId, VertexId};
@@ -21,7 +22,7 @@ fn is_same_choice(one: &(Decision, i8), two: &(Decision, i8)) -> bool {
 #[test]
 fn one_entrance_of_each_contact_is_chosen_and_it_is_that_of_the_contact() {
     let (mut alone, mut among_several) = (0, 0);
-    for pair in pairs::golden() {
+    for pair in golden_contacts::pairs() {
         let (found, decisions) = traced(&pair.a, &pair.b, &pair.tolerances);
         let mut before = None;
         for choice in decisions.chunk_by(is_same_choice) {

@@ -2,7 +2,7 @@
 
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::PointLoad;
-use rockproof_model::{Block, Criteria, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
+use rockproof_model::{Block, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_stepper::dynamics::{Dynamics, Solve, StepReport};
 use std::path::Path;
 
@@ -22,12 +22,9 @@ pub(crate) fn tolerances() -> ToleranceSet {
         penetration: n("1/16"),
         overlap_sine: n("1/20"),
         parallel_sine: n("1/20"),
-        equal: n("0"),
-        open: n("0"),
-        close: n("0"),
         max_displacement: n("1/16"),
         max_rotation: n("1/8"),
-        criteria: Criteria::Revised,
+        ..ToleranceSet::ZERO
     }
 }
 

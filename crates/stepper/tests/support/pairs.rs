@@ -1,91 +1,7 @@
-//! Blocks, tolerance sets and golden answers for the stepper's tests.
+//! Blocks and tolerance sets for the stepper's tests.
 #![allow(dead_code)] // each test file uses its own part
 
-use num_bigint::BigInt;
-use num_rational::BigRational;
-use rockproof_model::{
-    Block, BlockOptions, Contact, ContactKey, ContactKind, Criteria, Entrance, EntranceKind, Number, Sign,
-    ToleranceSet, Vec3,
-};
-use serde_json::Value;
-
-/// A pair of blocks, its tolerances, and what is expected.
-pub(crate) struct GoldenPair {
-    pub(crate) name: String,
-    pub(crate) a: Block,
-    pub(crate) b: Block,
-    pub(crate) tolerances: ToleranceSet,
-    pub(crate) contacts: Vec<Contact>,
-    /// Squared gaps, one a contact.
-    pub(crate) gaps_squared: Vec<f64>,
-}
-
-/// The pairs of `tests/golden/golden_contacts.json`.
-pub(crate) fn golden() -> Vec<GoldenPair> {
-    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/golden/golden_contacts.json"))
-        .unwrap();
-    let pairs: Value = serde_json::from_str(&text).unwrap();
-    pairs.as_array().unwrap().iter().map(golden_pair).collect()
-}
-
-fn golden_pair(pair: &Value) -> GoldenPair {
-    let t = &pair["tolerances"];
-    let zero = Number::ZERO;
-    let tolerances = ToleranceSet {
-        search: number(&t["search"]),
-        territory: number(&t["territory"]),
-        penetration: number(&t["penetration"]),
-        overlap_sine: number(&t["overlap_sine"]),
-        parallel_sine: number(&t["parallel_sine"]),
-        equal: number(&t["equal"]),
-        open: zero.clone(),
-        close: zero.clone(),
-        max_displacement: zero.clone(),
-        max_rotation: zero,
-        criteria: if t["criteria"] == "classic" { Criteria::Classic } else { Criteria::Revised },
-    };
-    let expected = pair["contacts"].as_array().unwrap();
-    GoldenPair {
-        name: pair["name"].as_str().unwrap().to_owned(),
-        a: golden_block(&pair["a"]),
-        b: golden_block(&pair["b"]),
-        tolerances,
-        contacts: expected.iter().map(golden_contact).collect(),
-        gaps_squared: expected.iter().map(|c| number(&c["gap_squared"]).approximate()).collect(),
-    }
-}
-
-fn golden_contact(c: &Value) -> Contact {
-    let index = |name: &str| c[name].as_u64().unwrap() as u32;
-    Contact {
-        key: ContactKey::of_kind(
-            ContactKind::from_name(c["kind"].as_str().unwrap()).unwrap(),
-            [index("feature_a"), index("feature_b")],
-        ),
-        entrance: Entrance::of_kind(
-            EntranceKind::from_name(c["entrance"].as_str().unwrap()).unwrap(),
-            [index("entrance_a"), index("entrance_b")],
-        ),
-        gap: Sign::of_ordering(c["gap_sign"].as_i64().unwrap().cmp(&0)),
-    }
-}
-
-fn golden_block(block: &Value) -> Block {
-    let vertices = block["vertices"].as_array().unwrap();
-    let vertices = vertices.iter().map(|v| Vec3::new(number(&v[0]), number(&v[1]), number(&v[2]))).collect();
-    let faces = block["faces"].as_array().unwrap();
-    let faces =
-        faces.iter().map(|f| f.as_array().unwrap().iter().map(|v| v.as_u64().unwrap() as u32).collect()).collect();
-    // The faces of the roofs that cross are up to 0.8 % of the block's size away from planar.
-    Block::new(vertices, faces, &BlockOptions { planarity: n(0.01) }).unwrap()
-}
-
-fn number(value: &Value) -> Number {
-    let text = value.as_str().unwrap();
-    let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
-    let integer = |digits: &str| digits.parse::<BigInt>().unwrap();
-    Number::from_rational(BigRational::new(integer(numerator), integer(denominator)))
-}
+use rockproof_model::{Block, BlockOptions, Contact, Criteria, Number, ToleranceSet, Vec3};
 
 pub(crate) fn exact() -> BlockOptions {
     BlockOptions { planarity: Number::ZERO }
@@ -256,11 +172,7 @@ pub(crate) fn tolerances() -> ToleranceSet {
         overlap_sine: n(0.046875),
         parallel_sine: n(0.046875),
         equal: n(f64::powi(2.0, -20)),
-        open: n(0.0),
-        close: n(0.0),
-        max_displacement: n(0.0),
-        max_rotation: n(0.0),
-        criteria: Criteria::Revised,
+        ..ToleranceSet::ZERO
     }
 }
 

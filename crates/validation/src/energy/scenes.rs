@@ -5,40 +5,27 @@ use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::{Block, Motion, Scene};
 
-/// Scenes of the energy suites.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DropScene {
-    /// Two bricks that turn fall on one another and on a floor.
-    Tumbling,
-    /// A brick falls on an edge.
-    Edge,
-    /// A brick falls on a corner.
-    Corner,
-    /// Ten bricks are poured into a bin.
-    Poured,
-    /// Eight shapes fall on a floor: tetrahedra, prisms, bricks, hulls of points.
-    Mixed,
+rockproof_model::named_enum! {
+    /// Scenes of the energy suites.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum DropScene {
+        /// Two bricks that turn fall on one another and on a floor.
+        Tumbling = "two tumbling bricks",
+        /// A brick falls on an edge.
+        Edge = "a brick on its edge",
+        /// A brick falls on a corner.
+        Corner = "a brick on its corner",
+        /// Ten bricks are poured into a bin.
+        Poured = "ten bricks poured into a bin",
+        /// Eight shapes fall on a floor: tetrahedra, prisms, bricks, hulls of points.
+        Mixed = "eight mixed shapes",
+    }
 }
 
 /// Half a brick (m).
 const BRICK: [f64; 3] = [0.5, 0.25, 0.2];
 
 impl DropScene {
-    /// All, in the order of the table.
-    pub const ALL: [DropScene; 5] =
-        [DropScene::Tumbling, DropScene::Edge, DropScene::Corner, DropScene::Poured, DropScene::Mixed];
-
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            DropScene::Tumbling => "two tumbling bricks",
-            DropScene::Edge => "a brick on its edge",
-            DropScene::Corner => "a brick on its corner",
-            DropScene::Poured => "ten bricks poured into a bin",
-            DropScene::Mixed => "eight mixed shapes",
-        }
-    }
-
     /// How many variants there are.
     pub fn variants(self) -> u32 {
         8

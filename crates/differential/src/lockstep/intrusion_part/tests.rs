@@ -1,7 +1,7 @@
 use super::*;
 use crate::lockstep::intrusion::{Intruded, Intrusion};
 use crate::lockstep::intrusion_case::{IntrusionCase, MOST_BLOCKS, NoCase, intrusion_case};
-use rockproof_model::{Block, Criteria, Number, SceneBlock, Vec3};
+use rockproof_model::{Block, Number, SceneBlock, Vec3};
 
 fn number(value: f64) -> Number {
     Number::from_f64(value).expect("a number")
@@ -46,14 +46,9 @@ fn driven(between: u32, beside: u32) -> (Scene, ToleranceSet) {
         search: number(0.0625),
         territory: number(0.0078125),
         penetration: number(0.0078125),
-        overlap_sine: Number::ZERO,
-        parallel_sine: Number::ZERO,
-        equal: Number::ZERO,
-        open: Number::ZERO,
-        close: Number::ZERO,
         max_displacement: number(1.0),
         max_rotation: number(0.125),
-        criteria: Criteria::Revised,
+        ..ToleranceSet::ZERO
     };
     scene.derive_stiffness(&set);
     (scene, set)
