@@ -102,7 +102,7 @@ pub(super) fn foot_region(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>
     let exact = exact_of(pair, (asked, vertex, edge), pair.offset_to((asked, vertex), target));
     let at = pair.f64_view.block(asked).topology().vertex_edges(vertex)[k];
     let end = exact.edge(asked, at).other(vertex);
-    let away = exact.vertex(asked, end).minus(&exact.vertex(asked, vertex));
+    let away = exact.vertex(asked, end).minus(exact.vertex(asked, vertex));
     let d = exact.direction(other, edge);
     // f − a = −(x − (x·d)d/d²) with x = a − p, so (f − a)·e = x·(d(d·e) − e d²)/d².
     let w = d.scaled(&d.dot(&away)).minus(&away.scaled(&d.norm_squared()));
@@ -139,7 +139,7 @@ pub(super) fn distance(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, p
     let target = d.scaled(&(&eighth * &over)).plus(&u.scaled(&BigInt::from(8)));
     let over = over * BigInt::from(8);
     let p = exact.edge(asked.other(), edge).p;
-    let x = exact.vertex(asked, vertex).minus(&exact.vertex(asked.other(), p)).scaled(&over);
+    let x = exact.vertex(asked, vertex).minus(exact.vertex(asked.other(), p)).scaled(&over);
     let way = target.minus(&x);
     let way = if asked == Side::B { way } else { way.negated() };
     let axis = (0..3).max_by_key(|&i| u.components()[i].magnitude().clone())?;
@@ -207,7 +207,7 @@ fn shorter_arm(
         corners
             .iter()
             .map(|&v| {
-                let x = exact.vertex(side, v).minus(&p);
+                let x = exact.vertex(side, v).minus(p);
                 x.scaled(&dd).minus(&d.scaled(&x.dot(d)))
             })
             .max_by_key(Vec3::norm_squared)

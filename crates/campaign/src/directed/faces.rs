@@ -28,7 +28,7 @@ pub(super) fn vertex_face(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>
         let n = exact.normal(other, face);
         let p = vertices[k].1;
         let q = vertices[(k + 1) % (vertices.len() - 1)].1;
-        let inward = n.cross(&exact.vertex(other, q).minus(&exact.vertex(other, p)));
+        let inward = n.cross(&exact.vertex(other, q).minus(exact.vertex(other, p)));
         exact.along((asked, vertex), p, &inward)
     } else {
         level(&exact, &exact.gap(asked, vertex, face), predicate)

@@ -59,7 +59,7 @@ pub(super) fn distance(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, p
         vertices.extend(around(pair, Side::A, va).chain(around(pair, Side::B, vb)));
     }
     let exact = pair.exact(&vertices, [0.0; 3]);
-    let apart = exact.vertex(Side::A, va).minus(&exact.vertex(Side::B, vb));
+    let apart = exact.vertex(Side::A, va).minus(exact.vertex(Side::B, vb));
     let current = minus(f64_view.vertex(Side::A, va), f64_view.vertex(Side::B, vb));
     let decision = about(predicate, &[Feature::Vertex(Side::A, va), Feature::Vertex(Side::B, vb)]);
     // b goes to a + L·u/|u|: B moves by (a − b) + that.
@@ -186,7 +186,7 @@ pub(super) fn region(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> 
         (length(x) > low && in_regions).then(|| pair.offset_to((asked, vertex), target))
     })?;
     let exact = pair.exact(&[(asked, vertex), (other, owner), (other, end)], start);
-    let away = exact.vertex(other, end).minus(&exact.vertex(other, owner));
+    let away = exact.vertex(other, end).minus(exact.vertex(other, owner));
     let margin = exact.along((asked, vertex), owner, &away).negated();
     let features = [Feature::Vertex(asked, vertex), Feature::Vertex(other, owner), Feature::Edge(other, edge)];
     linear(sampler, &exact, about(Predicate::VertexRegion, &features), &margin)

@@ -211,7 +211,7 @@ pub(super) fn one_exit(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -
     let exact = pair.exact(&pair.faces_at_edge(other, edge).collect::<Vec<_>>(), start);
     let e = exact.edge(other, edge);
     let (n, m) = (exact.normal(other, e.left), exact.normal(other, e.right));
-    if !n.dot(&m).is_positive() {
+    if !n.dot(m).is_positive() {
         return None;
     }
     let (deeper, shallower) = if left_is_deep { (e.left, e.right) } else { (e.right, e.left) };
@@ -219,6 +219,6 @@ pub(super) fn one_exit(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -
     let kept_in = if leaves(deeper) && !leaves(shallower) { shallower } else { deeper };
     let both = [Feature::Vertex(asked, vertex), Feature::Face(other, kept_in)];
     let features = if asked == Side::A { both } else { [both[1], both[0]] };
-    let sine = fraction(n.cross(&m).norm_squared(), n.norm_squared() * m.norm_squared());
+    let sine = fraction(n.cross(m).norm_squared(), n.norm_squared() * m.norm_squared());
     Some((Decision::about(Predicate::OneExit, &features), sine, start))
 }

@@ -72,7 +72,7 @@ fn to_vertex(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: 
         return None;
     }
     let exact = pair.exact(&[(Side::A, va), (Side::B, vb)], STAY);
-    let apart = exact.vertex(Side::A, va).minus(&exact.vertex(Side::B, vb));
+    let apart = exact.vertex(Side::A, va).minus(exact.vertex(Side::B, vb));
     let decision = Decision::about(predicate, &[Feature::Vertex(Side::A, va), Feature::Vertex(Side::B, vb)]);
     Some((decision, exact.square_metres(&apart.norm_squared(), &BigInt::one()), STAY))
 }
@@ -94,7 +94,7 @@ fn to_edge(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Pr
     }
     let exact = pair.exact(&pair.faces_at_edge(other, e).chain([(asked, v)]).collect::<Vec<_>>(), STAY);
     let d = exact.direction(other, e);
-    let x = exact.vertex(asked, v).minus(&exact.vertex(other, exact.edge(other, e).p));
+    let x = exact.vertex(asked, v).minus(exact.vertex(other, exact.edge(other, e).p));
     let decision = Decision::about(predicate, &[Feature::Vertex(asked, v), Feature::Edge(other, e)]);
     Some((decision, exact.square_metres(&x.cross(&d).norm_squared(), &d.norm_squared()), STAY))
 }
