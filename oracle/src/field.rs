@@ -22,11 +22,12 @@ pub(crate) use double::DoubleBall;
 pub(crate) use upper_bound::UpperBound;
 pub(crate) use wide::WideBall;
 
+use crate::mass::Integrals;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 pub(crate) use rockproof_model::number::dyadic;
 use rockproof_model::number::exact_log2;
-use rockproof_model::{Number, Ring, Sign};
+use rockproof_model::{Number, Ring, Sign, Topology, Vec3};
 
 /// Real numbers, known exactly or within an enclosure that always holds the exact value.
 ///
@@ -87,6 +88,11 @@ pub(crate) trait Field: Ring {
     /// `√self` of a value known to be a square: also where its enclosure reaches zero or below.
     fn root_of_square(&self) -> Option<Self> {
         self.root().or_else(|| Self::within(self.magnitude_bound()?.root()))
+    }
+
+    /// The integrals of a block whose vertices are at these points.
+    fn integrals(points: &[Vec3<Self>], topology: &Topology) -> Integrals<Self> {
+        Integrals::of(points, topology)
     }
 
     /// Whether the value is certainly zero: it may be left out of sums.

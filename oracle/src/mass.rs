@@ -2,7 +2,7 @@
 
 use crate::field::Field;
 use rockproof_model::simulation::Material;
-use rockproof_model::{Block, Number, Vec3};
+use rockproof_model::{Block, Number, Ring, Topology, Vec3};
 
 /// Volume, centroid and second moments of a block; each face as the triangles from the first vertex of its loop.
 #[derive(Clone, Debug)]
@@ -17,16 +17,24 @@ pub(crate) struct Moments<S> {
     pub(crate) points: Vec<Vec3<S>>,
 }
 
-impl<S: Field> Moments<S> {
-    /// The moments of a block; `None` where its volume may be zero.
+/// Sums over the tetrahedra of the origin and each triangle of a surface, which is a face's from its first vertex.
+pub(crate) struct Integrals<S> {
+    /// Six times the volume.
+    pub(crate) six_volumes: S,
+    /// 24 times the first moments.
+    pub(crate) first: Vec3<S>,
+    /// 120 times the second moments: the upper triangle.
+    pub(crate) second: [[S; 3]; 3],
+}
+
+impl<S: Ring> Integrals<S> {
+    /// The sums over the surface of a block, whose vertices are at these points.
     #[expect(clippy::needless_range_loop, reason = "p and q are directions of space, as in the formula")]
-    pub(crate) fn of(block: &Block, bits: u32) -> Option<Moments<S>> {
-        let origin = &block.vertices()[0];
-        let points: Vec<Vec3<S>> = block.vertices().iter().map(|v| difference(v, origin, bits)).collect();
+    pub(crate) fn of(points: &[Vec3<S>], topology: &Topology) -> Integrals<S> {
         let zero = || S::from_i32(0);
         let (mut six_volumes, mut first) = (zero(), Vec3::<S>::zero());
         let mut second: [[S; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| zero()));
-        for face in block.topology().faces() {
+        for face in topology.faces() {
             let a = &points[face[0].index()];
             for pair in face[1..].windows(2) {
                 let [b, c] = [pair[0], pair[1]].map(|v| &points[v.index()]);
@@ -44,6 +52,17 @@ impl<S: Field> Moments<S> {
                 }
             }
         }
+        Integrals { six_volumes, first, second }
+    }
+}
+
+impl<S: Field> Moments<S> {
+    /// The moments of a block; `None` where its volume may be zero.
+    #[expect(clippy::needless_range_loop, reason = "p and q are directions of space, as in the formula")]
+    pub(crate) fn of(block: &Block, bits: u32) -> Option<Moments<S>> {
+        let origin = &block.vertices()[0];
+        let points: Vec<Vec3<S>> = block.vertices().iter().map(|v| difference(v, origin, bits)).collect();
+        let Integrals { six_volumes, first, mut second } = S::integrals(&points, block.topology());
         let volume = six_volumes.over(&S::from_i32(6))?;
         let weight = six_volumes.times(&S::from_i32(4));
         let centroid = over(&first, &weight)?;
@@ -159,6 +178,22 @@ mod tests {
         assert_eq!(mass[3][3], q(48 * (16 + 36), 12));
         assert_eq!(mass[11][11], q(48 * (4 + 16), 48));
         assert!((0..12).all(|k| (0..12).all(|l| mass[k][l] == mass[l][k])));
+    }
+
+    #[test]
+    fn integrals_by_one_denominator_are_those_of_fractions() {
+        let q = |n: i64, d: i64| BigRational::new(n.into(), d.into());
+        let corner = |n| Vec3::new(Number::from_integer(n), Number::from_integer(n), Number::from_integer(n));
+        let block = Block::cuboid(&corner(0), &corner(1)).unwrap();
+        // Denominators that divide one another, that share a factor, and that have nothing in common; no face need be plane.
+        let points: Vec<Vec3<BigRational>> = (0..8i64)
+            .map(|k| Vec3::new(q(k * k - 3, 4), q(7 - 2 * k, 6), q(5 * k + 1, 8 << (k % 3)).recip() + q(k % 2, 1)))
+            .collect();
+        let (found, plain) =
+            (BigRational::integrals(&points, block.topology()), Integrals::of(&points, block.topology()));
+        assert_eq!(found.six_volumes, plain.six_volumes);
+        assert_eq!(found.first, plain.first);
+        assert_eq!(found.second, plain.second);
     }
 
     /// E/(1 + ν) and λ = Eν/((1 + ν)(1 − 2ν)) have no value for ν = −1 and ν = 1/2 alone.

@@ -1,12 +1,14 @@
 //! The exact level: fractions.
 
 use super::{Field, UpperBound};
+use crate::mass::Integrals;
 use num_bigint::BigInt;
+use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{CheckedDiv, Signed};
 use rockproof_model::number::round_rational;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Number, Precision, Sign};
+use rockproof_model::{Number, Precision, Sign, Topology, Vec3};
 
 impl Field for BigRational {
     fn of_rational(value: &BigRational, _bits: u32) -> Self {
@@ -32,6 +34,25 @@ impl Field for BigRational {
 
     fn certain_sign(&self) -> Option<Sign> {
         Some(ExactRing::sign(self))
+    }
+
+    /// In integers, with one common denominator: sums of fractions would take a greatest common divisor for each.
+    fn integrals(points: &[Vec3<Self>], topology: &Topology) -> Integrals<Self> {
+        let components = points.iter().flat_map(Vec3::components);
+        let unit = components.fold(BigInt::from(1), |unit, value| unit.lcm(value.denom()));
+        let whole = |value: &BigRational| value.numer() * (&unit / value.denom());
+        let points: Vec<Vec3<BigInt>> = points.iter().map(|point| point.map(whole)).collect();
+        let Integrals { six_volumes, first, second } = Integrals::of(&points, topology);
+        let over = |power: u32| {
+            let divisor = unit.pow(power);
+            move |sum: BigInt| BigRational::new(sum, divisor.clone())
+        };
+        let [first_x, first_y, first_z] = [first.x, first.y, first.z].map(over(4));
+        Integrals {
+            six_volumes: over(3)(six_volumes),
+            first: Vec3::new(first_x, first_y, first_z),
+            second: second.map(|row| row.map(over(5))),
+        }
     }
 
     fn middle(&self) -> BigRational {

@@ -54,6 +54,8 @@ pub(crate) struct AttemptState<'a, S> {
     pub(crate) joints: Vec<JointIn<S>>,
     pub(crate) limits: SquaredLimits<S>,
     pub(crate) iterates: Vec<Iterate<S>>,
+    /// Whether every system of the attempt is proved to be positive definite.
+    pub(crate) is_definite: bool,
 }
 
 impl<'a, S: Field> AttemptState<'a, S> {
@@ -78,6 +80,7 @@ impl<'a, S: Field> AttemptState<'a, S> {
             joints,
             limits,
             iterates: Vec::new(),
+            is_definite: false,
         }
     }
 

@@ -13,6 +13,10 @@ use rockproof_model::{Sign, Vec3};
 pub(crate) trait StepDecision {
     type Answer;
     fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Self::Answer>;
+    /// The contact it is about, if it is about one.
+    fn contact(&self) -> Option<usize> {
+        None
+    }
 }
 
 /// The mode of a contact after the last solve.
@@ -23,6 +27,9 @@ pub(crate) struct NextMode {
 
 impl StepDecision for NextMode {
     type Answer = Mode;
+    fn contact(&self) -> Option<usize> {
+        Some(self.contact)
+    }
     fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Mode> {
         let k = self.contact;
         let (contact, joint, iterate) = (chain.contact(k)?, &chain.joints[k], chain.iterates.last()?);

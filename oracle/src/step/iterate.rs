@@ -74,6 +74,23 @@ impl<S: Stepwise> AttemptState<'_, S> {
         islands_up_to(EXACT_UNKNOWNS, &sizes, tied)
     }
 
+    /// Of each block whether, after the last solve, it is in an island in which no closed contact certainly has a gap: only then may none bear
+    /// a force. `None` where an island is too large for fractions.
+    pub(crate) fn blocks_without_force(&self) -> Option<Vec<bool>> {
+        let iterate = self.iterates.last()?;
+        let islands = self.islands(&iterate.modes)?;
+        let mut place = vec![None; self.attempt.blocks.len()];
+        for (number, island) in islands.iter().enumerate() {
+            island.iter().for_each(|&block| place[block] = Some(number));
+        }
+        let mut free = vec![true; islands.len()];
+        for (k, started) in self.attempt.started.iter().enumerate().filter(|(k, _)| iterate.modes[*k] != Mode::Open) {
+            let presses = self.gap(iterate, k)?.certain_sign().is_some_and(|sign| !sign.is_zero());
+            started.blocks.iter().filter_map(|&block| place[block]).for_each(|number| free[number] &= !presses);
+        }
+        Some(place.into_iter().map(|number| number.is_some_and(|number| free[number])).collect())
+    }
+
     /// Keeps the solution of some blocks, one after another.
     fn keep(&self, iterate: &Iterate<S>, blocks: &[usize], solution: Option<Vec<S>>) {
         let mut rest = solution.map(Vec::into_iter);

@@ -127,6 +127,8 @@ pub(crate) struct Ladder<'a> {
     double: Level<'a, DoubleBall>,
     wide: [Level<'a, WideBall>; 4],
     exact: Level<'a, BigRational>,
+    /// After so many solves, which blocks are in islands whose contacts may bear no force.
+    free: (usize, Vec<bool>),
     pub(crate) levels: StepLevels,
 }
 
@@ -140,6 +142,7 @@ impl<'a> Ladder<'a> {
             double: Level::Unused,
             wide: std::array::from_fn(|_| Level::Unused),
             exact: Level::Unused,
+            free: (0, Vec::new()),
             levels,
         };
         ladder.history.bound = ladder.first(StiffnessBound::new, StiffnessBound::new, StiffnessBound::new);
@@ -210,6 +213,13 @@ impl<'a> Ladder<'a> {
             self.levels.double += 1;
             return Some(answer);
         }
+        // A tie of blocks that fall together, in all likelihood: fractions prove it, and balls would not.
+        if question.contact().is_some_and(|k| self.may_move_freely(k))
+            && let Some(answer) = self.exact().and_then(|chain| question.ask(chain))
+        {
+            self.levels.exact += 1;
+            return Some(answer);
+        }
         let asked = if self.attempt.sizes.iter().sum::<usize>() > LARGE { 2 } else { WIDE_BITS.len() };
         for k in 0..asked {
             if k == 2
@@ -231,6 +241,23 @@ impl<'a> Ladder<'a> {
         }
         self.levels.undecided += 1;
         None
+    }
+
+    /// Whether balls of two f64 see no force, after the last solve, in any contact of the islands in which the blocks of a contact are.
+    fn may_move_freely(&mut self, k: usize) -> bool {
+        let (attempt, modes) = (self.attempt, &self.history.modes);
+        // Friction on a slip that a solve left has a root, which is hardly ever a fraction.
+        if self.history.bound.is_none() || modes[1..].iter().any(|modes| modes.contains(&Mode::Sliding)) {
+            return false;
+        }
+        if self.free.0 != modes.len() {
+            let Some(chain) = self.double.ready() else { return false };
+            self.free = (modes.len(), chain.blocks_without_force().unwrap_or_default());
+        }
+        attempt.started[k]
+            .blocks
+            .iter()
+            .all(|&block| attempt.rows[block].is_none() || self.free.1.get(block) == Some(&true))
     }
 
     /// The chain in f64 balls.
@@ -273,6 +300,9 @@ impl<'a> Ladder<'a> {
     pub(crate) fn exact(&mut self) -> Option<&AttemptState<'a, BigRational>> {
         // Where balls have calculated all geometry there is all of it: then fractions calculate what they are asked for.
         let geometry = if self.history.bound.is_some() { Geometry::Asked } else { Geometry::Whole };
+        if let Some(chain) = self.exact.begin(self.attempt, 0, geometry) {
+            chain.is_definite = self.history.bound.is_some();
+        }
         self.exact.caught_up(self.attempt, 0, geometry, &self.history, |_| None)
     }
 
@@ -286,3 +316,6 @@ impl<'a> Ladder<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

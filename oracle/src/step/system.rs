@@ -1,5 +1,7 @@
 //! The system of one solve: its residual without a matrix, its matrix where elimination wants one, and its f64 stiffness.
 
+mod free_motion;
+
 use super::approximate::{Approximate, Layout, Square, Stiffness};
 use super::attempt_state::{AttemptState, Base};
 use super::contact::ContactGeometry;
@@ -103,8 +105,10 @@ impl Stepwise for BigRational {
         _support: Option<&StepSupport<'_>>,
         _start: Option<Vec<Self>>,
     ) -> Option<Vec<Self>> {
-        let system = system.assembled();
-        fraction_free_solve(&system.dense(), &system.right)
+        system.free_motion().or_else(|| {
+            let system = system.assembled();
+            fraction_free_solve(&system.dense(), &system.right)
+        })
     }
 }
 
@@ -137,20 +141,10 @@ impl<S: Field> Residual<S> for System<'_, '_, S> {
             }
         }
         for &(k, contact) in &self.closed {
-            let joint = &chain.joints[k];
             let places = chain.attempt.started[k].blocks.map(|block| self.places[block]);
             let ranges = places.map(|place| place.map(|p| starts[p]..starts[p] + self.base[p].right.len()));
             let of = |side: usize| ranges[side].as_ref().map_or(&x[0..0], |range| &x[range.clone()]);
-            let moved = contact.moved([of(0), of(1)]);
-            let along = contact.normal.dot(&moved);
-            // Minus the force on A.
-            let push = joint.normal.times(&contact.over_square).times(&contact.gap.plus(&along));
-            let stretch = contact.stretch.plus(&contact.across(&moved, &along));
-            let tangential = match &self.friction[k] {
-                Some(slip) => slip.at(&stretch),
-                None => stretch.scaled(&joint.shear),
-            };
-            let force = contact.normal.scaled(&push).plus(&tangential);
+            let force = self.force_on_b(k, contact, [of(0), of(1)]);
             let forces = [force.negated(), force];
             for (side, force) in forces.iter().enumerate() {
                 if let Some(range) = &ranges[side] {

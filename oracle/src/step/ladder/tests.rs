@@ -1,0 +1,112 @@
+//! Blocks that fall together, touching: told from others, solved without a matrix, and decided by fractions before balls of many bits.
+
+use super::super::answer::StepModel;
+use super::super::decisions::NextMode;
+use super::super::iteration::first_time_step;
+use super::super::prepare::PreparedStep;
+use super::super::state::State;
+use super::super::system::System;
+use super::*;
+use crate::solve::fraction_free_solve;
+use rockproof_model::simulation::{Body, Motion, Simulation};
+use rockproof_model::{Block, Number, Precision, ToleranceSpec, Vec3};
+
+/// The islands: what falls, what is pressed, what parts.
+const FALLING: [usize; 2] = [1, 2];
+const PRESSED: [usize; 1] = [3];
+const PARTING: [usize; 2] = [4, 5];
+
+/// A fixed floor; two cubes that fall together, one deformable; a cube that the floor presses; two cubes that touch, with other velocities.
+fn with_ladder(look: impl FnOnce(&Attempt<'_>, Ladder<'_>)) {
+    let number = |n: i64, d: i64| Number::from_rational(BigRational::new(n.into(), d.into()));
+    let cuboid = |low: [Number; 3], high: [i32; 3]| {
+        let ([a, b, c], [x, y, z]) = (low, high.map(Number::from_integer));
+        Block::cuboid(&Vec3::new(a, b, c), &Vec3::new(x, y, z)).unwrap()
+    };
+    let cube = |x: i32, z: Number, top: i32| cuboid([Number::from_integer(x), Number::ZERO, z], [x + 1, 1, top]);
+    let blocks = [
+        cuboid([0, 0, -1].map(Number::from_integer), [20, 1, 0]),
+        cube(0, number(5, 1), 6),
+        cube(0, number(6, 1), 7),
+        cube(5, number(-1, 1000), 1),
+        cube(10, number(5, 1), 6),
+        cube(10, number(6, 1), 7),
+    ];
+    let motions = [Motion::Fixed, Motion::Rigid, Motion::Deformable, Motion::Rigid, Motion::Rigid, Motion::Deformable];
+    let rate = |n| Vec3::new(number(n, 3), Number::ZERO, number(-1, 7));
+    let velocities = [rate(0), rate(1), rate(1), rate(0), rate(1), rate(2)];
+    let bodies: Vec<Body> = motions
+        .into_iter()
+        .zip(velocities)
+        .map(|(motion, velocity)| Body { motion, velocity, ..Body::default() })
+        .collect();
+    let mut simulation =
+        Simulation { gravity: Vec3::new(Number::ZERO, Number::ZERO, number(-10, 1)), ..Simulation::default() };
+    simulation.joints.other.normal_stiffness = Some(number(1_000_000_000, 1));
+    let shapes: Vec<&Block> = blocks.iter().collect();
+    let tolerances = ToleranceSpec::default().derive(&shapes, Precision::F64).unwrap();
+    let model = StepModel { shapes: &shapes, bodies: &bodies, simulation: &simulation, tolerances: &tolerances };
+    let state = State::initial(&model);
+    let prepared = PreparedStep::new(&model, &state).unwrap();
+    let attempt = prepared.attempt(first_time_step(&prepared));
+    let mut ladder = Ladder::new(&attempt, &prepared.layout, StepLevels::default());
+    ladder.solve(attempt.first_modes());
+    look(&attempt, ladder);
+}
+
+/// A contact between two blocks.
+fn contact(attempt: &Attempt<'_>, blocks: [usize; 2]) -> usize {
+    attempt.started.iter().position(|started| started.blocks == blocks).expect("they touch")
+}
+
+#[test]
+fn only_blocks_whose_contacts_bear_no_force_are_solved_without_a_matrix() {
+    with_ladder(|attempt, _| {
+        let mut chain: AttemptState<'_, BigRational> = AttemptState::new(attempt, 0);
+        let modes = attempt.first_modes();
+        let friction = chain.friction(&modes).unwrap();
+        for is_definite in [true, false] {
+            chain.is_definite = is_definite;
+            for (island, is_free) in [(&FALLING[..], true), (&PRESSED, false), (&PARTING, false)] {
+                let system = System::of(&chain, &modes, &friction, Some(island)).unwrap();
+                let solved = BigRational::solve(&system, None, None);
+                let free = system.free_motion();
+                assert_eq!(free.is_some(), is_free && is_definite, "{island:?}");
+                assert!(free.is_none() || free == solved);
+                let blocks: Vec<usize> = attempt.moving().map(|(block, _)| block).collect();
+                let whole = chain.assembled(&modes).unwrap();
+                let all = fraction_free_solve(&whole.dense(), &whole.right).unwrap();
+                let mut rest = all.into_iter();
+                let plain = blocks.iter().flat_map(|block| {
+                    let own: Vec<BigRational> =
+                        rest.by_ref().take(attempt.sizes[attempt.rows[*block].unwrap()]).collect();
+                    if island.contains(block) { own } else { Vec::new() }
+                });
+                assert_eq!(solved, Some(plain.collect()), "{island:?}");
+            }
+        }
+    });
+}
+
+#[test]
+fn balls_tell_which_blocks_may_be_free() {
+    with_ladder(|_, mut ladder| {
+        let free = ladder.double().unwrap().blocks_without_force().unwrap();
+        assert_eq!(free, [false, true, true, false, false, false]);
+    });
+}
+
+#[test]
+fn a_tie_of_blocks_that_fall_together_needs_no_balls_of_many_bits() {
+    with_ladder(|attempt, mut ladder| {
+        let tie = contact(attempt, FALLING);
+        assert_eq!(ladder.ask(&NextMode { contact: tie, mode: Mode::Locked }), Some(Mode::Locked));
+        assert_eq!((ladder.levels.exact, ladder.levels.wide), (1, [0; 4]));
+        assert!(ladder.wide.iter().all(|level| matches!(level, Level::Unused)));
+        // The others bear forces, which balls tell.
+        let pressed = contact(attempt, [0, PRESSED[0]]);
+        assert_eq!(ladder.ask(&NextMode { contact: pressed, mode: Mode::Locked }), Some(Mode::Locked));
+        assert!(!ladder.may_move_freely(pressed) && !ladder.may_move_freely(contact(attempt, PARTING)));
+        assert_eq!((ladder.levels.exact, ladder.levels.undecided), (1, 0));
+    });
+}
