@@ -201,7 +201,7 @@ fn between(set: &ToleranceSet) -> Violations {
 
     violations.require(
         Rule::Search,
-        (&search, Relation::AtLeast, &(&displacement * &two)),
+        (&search, Relation::NotBelow, &(&displacement * &two)),
         None,
         &[
             ("search", RequiredValue::OrMore(&displacement * &two)),
@@ -210,7 +210,7 @@ fn between(set: &ToleranceSet) -> Violations {
     );
     violations.require(
         Rule::Penetration,
-        (&penetration, Relation::AtLeast, &displacement),
+        (&penetration, Relation::NotBelow, &displacement),
         None,
         &[
             ("penetration", RequiredValue::OrMore(displacement.clone())),
@@ -219,7 +219,7 @@ fn between(set: &ToleranceSet) -> Violations {
     );
     violations.require(
         Rule::TerritoryInSearch,
-        (&territory, Relation::AtMost, &search),
+        (&territory, Relation::NotAbove, &search),
         None,
         &[("territory", RequiredValue::OrLess(search.clone())), ("search", RequiredValue::OrMore(territory.clone()))],
     );
@@ -277,10 +277,10 @@ fn plain(value: f64) -> String {
 /// How the sides of a rule must lie.
 #[derive(Clone, Copy)]
 enum Relation {
-    AtLeast,
-    AtMost,
+    NotBelow,
+    NotAbove,
     /// Of two squares.
-    AtMostSquared,
+    SquareNotAbove,
 }
 
 #[derive(Default)]
@@ -298,13 +298,13 @@ impl Violations {
         remedies: &[(&str, RequiredValue)],
     ) {
         let near = |value: &BigRational| match (Number::from_rational(value.clone()).approximate(), relation) {
-            (square, Relation::AtMostSquared) => square.sqrt(),
+            (square, Relation::SquareNotAbove) => square.sqrt(),
             (value, _) => value,
         };
         let (found, allowed) = (near(left), near(right));
         let (factor, broken) = match relation {
-            Relation::AtLeast => (found / allowed, left < right),
-            Relation::AtMost | Relation::AtMostSquared => (allowed / found, left > right),
+            Relation::NotBelow => (found / allowed, left < right),
+            Relation::NotAbove | Relation::SquareNotAbove => (allowed / found, left > right),
         };
         self.slacks.push(RuleSlack { rule, factor });
         if broken {
@@ -378,7 +378,7 @@ impl Extremes {
         let territory = set.territory.to_rational();
         violations.require(
             Rule::TerritoryOnEdge,
-            (&squared(&set.territory), Relation::AtMostSquared, &quarter),
+            (&squared(&set.territory), Relation::SquareNotAbove, &quarter),
             Some(self.shortest),
             &[("territory", RequiredValue::RootOrLess(quarter.clone()))],
         );
@@ -386,7 +386,7 @@ impl Extremes {
         let resolved = &eps * &self.largest_coordinate;
         violations.require(
             Rule::TerritoryResolved,
-            (&territory, Relation::AtLeast, &resolved),
+            (&territory, Relation::NotBelow, &resolved),
             Some(self.furthest),
             &[
                 ("territory", RequiredValue::OrMore(resolved.clone())),
@@ -395,7 +395,7 @@ impl Extremes {
         );
         violations.require(
             Rule::Displacement,
-            (&squared(&set.max_displacement), Relation::AtMostSquared, &quarter),
+            (&squared(&set.max_displacement), Relation::SquareNotAbove, &quarter),
             Some(self.shortest),
             &[("max_displacement", RequiredValue::RootOrLess(quarter.clone()))],
         );
@@ -405,7 +405,7 @@ impl Extremes {
             let parallel = squared(&set.parallel_sine) * &self.longest_squared;
             violations.require(
                 Rule::ParallelEdges,
-                (&parallel, Relation::AtMostSquared, &territory_squared),
+                (&parallel, Relation::SquareNotAbove, &territory_squared),
                 Some(self.longest),
                 &[
                     ("parallel_sine", RequiredValue::RootOrLess(&territory_squared / &self.longest_squared)),
@@ -416,7 +416,7 @@ impl Extremes {
             let overlap = squared(&set.overlap_sine) * &self.longest_squared;
             violations.require(
                 Rule::Overlap,
-                (&overlap, Relation::AtMostSquared, &penetration_squared),
+                (&overlap, Relation::SquareNotAbove, &penetration_squared),
                 Some(self.longest),
                 &[
                     ("overlap_sine", RequiredValue::RootOrLess(&penetration_squared / &self.longest_squared)),

@@ -77,7 +77,7 @@ fn stiffness(set: &ToleranceSet, scene: &Scene) -> Option<Violations> {
     let place = LengthLocation { block: worst.block, edge: None };
     violations.require(
         Rule::Stiffness,
-        (&worst.squared, Relation::AtMostSquared, &allowed_squared),
+        (&worst.squared, Relation::SquareNotAbove, &allowed_squared),
         Some(place),
         &remedies,
     );
