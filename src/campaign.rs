@@ -168,7 +168,7 @@ impl Campaign {
     /// Asks the external engines a first question; `false` where they were ended with the program.
     pub(crate) fn probed(&self, engines: &Engines, stop: &AtomicBool) -> anyhow::Result<bool> {
         probed(engines, stop).map_err(|error| {
-            let of_engine = matches!(error.downcast_ref(), Some(EnginesError::Dumb { .. }));
+            let of_engine = matches!(error.downcast_ref(), Some(EnginesError::NoReply { .. }));
             if of_engine && self.external.names_none() { self.in_file(error) } else { error }
         })
     }

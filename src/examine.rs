@@ -7,7 +7,7 @@ use crate::progress::stages_while;
 use crate::stop::on_ctrl_c;
 use crate::table::prose;
 use crate::terminal::threads;
-use rockproof_examine::{FILES, Seen, Settings, examine, worst_cases, write};
+use rockproof_examine::{FILES, Settings, WorkProgress, examine, worst_cases, write};
 use rockproof_model::Precision;
 use rockproof_results::{Claim, Directory, Owner, Start, bounded};
 use std::path::PathBuf;
@@ -76,7 +76,7 @@ impl Examine {
         let stop = on_ctrl_c()?;
         let candidates = if self.no_tune { 0 } else { self.candidates };
         let settings = Settings { steps: self.steps, candidates, threads: self.threads };
-        let seen = Seen::default();
+        let seen = WorkProgress::default();
         let found = match stages_while(&seen, || examine(model, &settings, &seen, &stop)) {
             Ok(Some(found)) => found,
             Ok(None) => {

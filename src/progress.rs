@@ -5,7 +5,7 @@ use crate::table::grouped;
 use crate::terminal::{MOVES, Progress, beside, in_groups};
 use indicatif::{ProgressBar, ProgressStyle};
 use rockproof_campaign::journal::Seen as SeenPairs;
-use rockproof_examine::{MeasuredOverlaps, Overlaps, Seen, Stage, StageProgress};
+use rockproof_examine::{MeasuredOverlaps, Overlaps, Stage, StageProgress, WorkProgress};
 use rockproof_model::{Block, ToleranceSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -36,18 +36,18 @@ fn progress(pairs: u64, now: &(dyn Fn() -> (u64, String) + Sync)) -> Progress<'_
 
 /// The overlaps of all neighbouring pairs, or of some, measured where they may be more than rounding, with progress.
 pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Overlaps {
-    let (seen, stop) = (Seen::default(), AtomicBool::new(false));
+    let (seen, stop) = (WorkProgress::default(), AtomicBool::new(false));
     stages_while(&seen, || {
         rockproof_examine::overlaps(blocks, tolerances, (only, MeasuredOverlaps::BeyondRounding), &seen, &stop)
     })
 }
 
 /// Shows what `work` tells `seen`, part by part, until it ends, and gives what it gives.
-pub(crate) fn stages_while<T>(seen: &Seen, work: impl FnOnce() -> T) -> T {
+pub(crate) fn stages_while<T>(seen: &WorkProgress, work: impl FnOnce() -> T) -> T {
     beside(|ended| show_stages(seen, ended), work)
 }
 
-fn show_stages(seen: &Seen, ended: &AtomicBool) {
+fn show_stages(seen: &WorkProgress, ended: &AtomicBool) {
     let has_bar = shows_progress();
     let mut bar: Option<(Stage, ProgressBar)> = None;
     let mut last = Instant::now();

@@ -18,7 +18,7 @@ use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
-use rockproof_examine::{AuditedRun, WorstKept, violation_json, violations_text};
+use rockproof_examine::{AuditedRun, IntrusionRecorder, violation_json, violations_text};
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, step_in_words};
 use rockproof_model::{Precision, Scene, ToleranceSet, rules};
@@ -366,7 +366,7 @@ impl Simulate {
         if let Some(scope) = self.audited() {
             let audited = AuditedRun::new(stepping, &scene, &set, (precision, scope)).with_context(file)?;
             let kept = &record.progress().intrusions;
-            stepping = Box::new(WorstKept::new(Box::new(audited), &scene, &set, (precision, scope), kept));
+            stepping = Box::new(IntrusionRecorder::new(Box::new(audited), &scene, &set, (precision, scope), kept));
         }
         let stop = on_ctrl_c()?;
         let mut display = Display::new();

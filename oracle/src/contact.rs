@@ -5,8 +5,8 @@ mod classify;
 mod edge_edge;
 mod entrance;
 mod exit;
-mod nearby;
-mod nearby_search;
+mod nearby_feature_search;
+mod nearby_features;
 mod no_overlap;
 mod reach;
 mod territory;
@@ -15,4 +15,4 @@ mod vertex_face;
 mod vertex_vertex;
 
 pub use classify::Answer;
-pub use nearby::NearbyPairs;
+pub use nearby_features::NearbyFeatures;

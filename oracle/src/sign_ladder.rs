@@ -1,6 +1,6 @@
 //! The ladder: the sign of a polynomial at the cheapest level that proves it.
 
-mod enclosed;
+mod integer_width;
 mod margins;
 
 pub(crate) use margins::Margins;

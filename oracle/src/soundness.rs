@@ -22,7 +22,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 mod definite;
-mod enclosed;
+mod integer_width;
 mod limits;
 mod replayed;
 mod ties;
@@ -173,7 +173,7 @@ struct Seen {
     by_pair_bound: u64,
     by_ball: u64,
     by_double: u64,
-    enclosed: enclosed::Seen,
+    enclosed: integer_width::Seen,
 }
 
 struct Checker<'p, 's> {
@@ -241,7 +241,7 @@ impl Visitor for Checker<'_, '_> {
         let slot = P::FIRST_SLOT + p.variant();
         assert!(p.variant() < P::VARIANTS && slot < SLOTS);
         let exact = in_integers::<P, BigInt>(pair, t, p);
-        self.seen.entry(slot).or_default().enclosed += enclosed::check(&self.run, p, exact, about);
+        self.seen.entry(slot).or_default().enclosed += integer_width::check(&self.run, p, exact, about);
         assert_eq!(self.run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
         // Twice: the second time the bound for all pairs of the size is known.
         for time in 1..=2 {
@@ -442,7 +442,7 @@ fn prove_no_wrong_sign(rounds: usize) {
         );
         assert!(seen.signs[0] > 0 && seen.signs[2] > 0, "slot {slot}: signs seen {:?}", seen.signs);
     }
-    let mut enclosed = enclosed::Seen::default();
+    let mut enclosed = integer_width::Seen::default();
     seen.values().for_each(|seen| enclosed += seen.enclosed);
     enclosed.check();
     let ties: u64 = seen.values().map(|s| s.signs[1]).sum();

@@ -6,8 +6,8 @@ use rockproof_campaign::source::{self, SourceError};
 use rockproof_campaign::tolerance_sets::NamedSet;
 use rockproof_model::{Block, ToleranceSet};
 use rockproof_oracle::{self, LevelCounts, Pair};
-use rockproof_stepper::contact::{ClassificationRequest, NearbyPairs, PreparedBlock, Tolerances};
-use rockproof_stepper::dynamics::nearby_margin;
+use rockproof_stepper::contact::{ClassificationRequest, NearbyFeatures, PreparedBlock, Tolerances};
+use rockproof_stepper::dynamics::skin;
 use std::sync::Arc;
 
 rockproof_model::named_enum! {
@@ -71,12 +71,12 @@ pub struct PreparedPair {
     pub f32: ([PreparedBlock<f32>; 2], Tolerances<f32>),
     /// The blocks in the stepper in f64, and the tolerances rounded.
     pub f64: ([PreparedBlock<f64>; 2], Tolerances<f64>),
-    /// The pairs of features that alone can be in a contact in f64 while the blocks move by no more than [`nearby_margin`]; none where that is not known.
-    pub nearby: Option<NearbyPairs>,
+    /// The pairs of features that alone can be in a contact in f64 while the blocks move by no more than [`skin`]; none where that is not known.
+    pub nearby: Option<NearbyFeatures>,
     /// The blocks in the oracle.
     pub exact: [rockproof_oracle::PreparedBlock; 2],
-    /// The pairs of features that alone can be in a contact, exactly, while the blocks move by no more than [`nearby_margin`]; none where that is zero.
-    pub exact_nearby: Option<rockproof_oracle::NearbyPairs>,
+    /// The pairs of features that alone can be in a contact, exactly, while the blocks move by no more than [`skin`]; none where that is zero.
+    pub exact_nearby: Option<rockproof_oracle::NearbyFeatures>,
 }
 
 impl PreparedPair {
@@ -93,8 +93,8 @@ impl PreparedPair {
         let rounded = Tolerances::<f64>::new(&tolerances).ok()?;
         let [a, b] = &f64;
         let all = ClassificationRequest { a, b, tolerances: &rounded, kept: &[], among: None };
-        let nearby = NearbyPairs::of(all, nearby_margin(rounded.search));
-        let exact_nearby = Pair::new(&exact[0], &exact[1]).nearby_pairs(&tolerances, nearby_margin(rounded.search));
+        let nearby = NearbyFeatures::of(all, skin(rounded.search));
+        let exact_nearby = Pair::new(&exact[0], &exact[1]).nearby_features(&tolerances, skin(rounded.search));
         Some(PreparedPair {
             exact_nearby,
             f32: (f32, Tolerances::new(&tolerances_f32).ok()?),

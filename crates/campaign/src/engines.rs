@@ -44,7 +44,7 @@ pub enum EnginesError {
     #[error(
         "engine \"{name}\" ({command}) does not answer a first question about two boxes: {what}; docs/engines.md shows what is asked and what to answer"
     )]
-    Dumb {
+    NoReply {
         /// The engine.
         name: String,
         /// How it is started.
@@ -91,7 +91,7 @@ impl Engines {
             };
             let answered = engine.probe(&a, &b, &tolerances);
             self.check_shortage()?;
-            answered.map_err(|what| EnginesError::Dumb {
+            answered.map_err(|what| EnginesError::NoReply {
                 name: engine.name().to_owned(),
                 command: engine.spec().command.join(" "),
                 what,

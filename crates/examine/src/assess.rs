@@ -6,8 +6,8 @@ use crate::extents::short;
 use crate::naming::file_name;
 use crate::overlaps::{MeasuredOverlaps, Overlaps, overlaps};
 use crate::pairs::{self, ExaminedPair, PRECISIONS};
+use crate::progress::{Stage, WorkProgress};
 use crate::recommend::{Recommendation, better};
-use crate::seen::{Seen, Stage};
 use crate::steps::{self, Steps};
 use rockproof_differential::subject::SubjectSet;
 use rockproof_model::rules::{self, Thin, Violation};
@@ -113,7 +113,7 @@ impl Examination {
 pub fn examine(
     model: CheckedModel,
     settings: &Settings,
-    seen: &Seen,
+    seen: &WorkProgress,
     stop: &AtomicBool,
 ) -> Result<Option<Examination>, ExamineError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
@@ -123,7 +123,7 @@ pub fn examine(
 /// What the parts of the work share.
 struct Work<'w> {
     settings: &'w Settings,
-    seen: &'w Seen,
+    seen: &'w WorkProgress,
     stop: &'w AtomicBool,
 }
 

@@ -1,6 +1,6 @@
 //! Is this model safe? Its blocks and tolerances, every neighbouring pair, some steps, and a set of tolerances that does better.
 //!
-//! [`examine`] does the work: it tells how far it is by [`Seen`], ends where a flag is set, prints nothing and writes nothing. [`Verdict`] is the
+//! [`examine`] does the work: it tells how far it is by [`WorkProgress`], ends where a flag is set, prints nothing and writes nothing. [`Verdict`] is the
 //! answer in words, [`write()`] leaves page, tables, grid and cases in a directory. What a model is looked at with is a [`CheckedModel`].
 
 mod assess;
@@ -10,17 +10,17 @@ mod deepest;
 mod document;
 mod error;
 mod extents;
+mod intrusion_recorder;
 mod naming;
 mod overlaps;
 mod pairs;
+mod progress;
 mod recommend;
 mod results;
-mod seen;
 mod step_audit;
 mod steps;
 mod verdict;
 mod view;
-mod worst;
 
 pub use assess::{Assessment, Examination, Settings, examine};
 pub use cases::{KeptCase, worst_cases};
@@ -30,13 +30,13 @@ pub use checked::{
 pub use document::document;
 pub use error::ExamineError;
 pub use extents::{Extents, short};
+pub use intrusion_recorder::{IntrusionCases, IntrusionRecorder};
 pub use naming::{Naming, file_name, reading, setting};
 pub use overlaps::{MeasuredOverlaps, Overlaps, overlaps};
 pub use pairs::{EngineDifferences, ExaminedPair};
+pub use progress::{Stage, StageProgress, WorkProgress};
 pub use recommend::{OtherSet, Recommendation};
 pub use results::{FILES, Written, findings_table, pair_table, tolerance_table, write};
-pub use seen::{Seen, Stage, StageProgress};
 pub use step_audit::AuditedRun;
 pub use steps::{AuditedSteps, Steps};
 pub use verdict::{Line, Verdict, mark};
-pub use worst::{IntrusionCases, WorstKept};

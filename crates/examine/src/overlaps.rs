@@ -1,7 +1,7 @@
 //! Overlaps of a model, for every command that begins with one: the exact audit (SPEC section 7), in words.
 
 use crate::deepest::deepest;
-use crate::seen::{Seen, Stage};
+use crate::progress::{Stage, WorkProgress};
 use rayon::prelude::*;
 use rockproof_model::text::noun;
 use rockproof_model::{Block, Number, Precision, ToleranceSet};
@@ -29,7 +29,7 @@ pub fn overlaps(
     blocks: &[&Block],
     tolerances: &ToleranceSet,
     (only, measured): (Option<&[(usize, usize)]>, MeasuredOverlaps),
-    seen: &Seen,
+    seen: &WorkProgress,
     stop: &AtomicBool,
 ) -> Overlaps {
     let solids: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
@@ -266,7 +266,7 @@ mod tests {
         for blocks in [rounded.to_vec(), [rounded.to_vec(), vec![sunk(-3, 3)]].concat()] {
             let blocks: Vec<&Block> = blocks.iter().collect();
             let found = |measured| {
-                overlaps(&blocks, &set(&blocks), (None, measured), &Seen::default(), &AtomicBool::new(false))
+                overlaps(&blocks, &set(&blocks), (None, measured), &WorkProgress::default(), &AtomicBool::new(false))
             };
             let [all, few] = [MeasuredOverlaps::All, MeasuredOverlaps::BeyondRounding].map(found);
             assert_eq!((few.line(), few.report(), few.json()), (all.line(), all.report(), all.json()));
@@ -286,7 +286,7 @@ mod tests {
         let mut set = derive(Preset::Auto, &blocks, Precision::F64).expect("a set");
         set.penetration = Number::from_f64(0.0625).expect("a number");
         let mut found =
-            overlaps(&blocks, &set, (None, MeasuredOverlaps::All), &Seen::default(), &AtomicBool::new(false));
+            overlaps(&blocks, &set, (None, MeasuredOverlaps::All), &WorkProgress::default(), &AtomicBool::new(false));
         let held = "3 pairs (worst 0–3, 0.0030 m) overlap and are held by contacts (3 seen, 0 shallow)";
         assert_eq!(found.sentence().as_deref(), Some(held));
         // The two shallower ones unseen: the deepest pair of all is not theirs.

@@ -1,6 +1,6 @@
 //! Every neighbouring pair of a model as it stands, through the chain of causes that campaigns use (SPEC section 6).
 
-use crate::seen::Seen;
+use crate::progress::WorkProgress;
 use rayon::prelude::*;
 use rockproof_differential::attribution::{EnginePanel, examine};
 use rockproof_differential::builtin::{self, ENGINES};
@@ -101,7 +101,7 @@ pub(crate) fn examine_all(
     blocks: &[&Block],
     pairs: &[[usize; 2]],
     set: &SubjectSet,
-    (seen, stop): (&Seen, &AtomicBool),
+    (seen, stop): (&WorkProgress, &AtomicBool),
 ) -> Option<Vec<ExaminedPair>> {
     let panel = panel();
     let one = |(number, &pair): (usize, &[usize; 2])| {

@@ -139,7 +139,7 @@ fn is_less(counts: impl IntoIterator<Item = [u64; 2]>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CheckedModel, Seen, Settings, examine};
+    use crate::{CheckedModel, Settings, WorkProgress, examine};
     use rockproof_model::Scene;
     use rockproof_model::rules::{Rule, RuleSlack, Violation};
     use rockproof_model::scene::SceneFormat;
@@ -159,7 +159,7 @@ mod tests {
         let model =
             CheckedModel::new(PathBuf::from("model.toml"), scene, (spec, set), Precision::F64).expect("a model");
         let settings = Settings { steps: Some(1), candidates: 0, threads: 1 };
-        let examined = examine(model, &settings, &Seen::default(), &AtomicBool::new(false));
+        let examined = examine(model, &settings, &WorkProgress::default(), &AtomicBool::new(false));
         examined.expect("an examination").expect("an end").given
     }
 

@@ -1,7 +1,7 @@
 //! A few steps of a model, each audited exactly: which blocks pass through one another?
 
 use crate::error::ExamineError;
-use crate::seen::Seen;
+use crate::progress::WorkProgress;
 use crate::step_audit::AuditedRun;
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_simulate::{AuditScope, AuditTotals, PairDepth, Stepping};
@@ -66,7 +66,7 @@ pub(crate) fn make(
     set: &ToleranceSet,
     precision: Precision,
     steps: u64,
-    (seen, stop): (&Seen, &AtomicBool),
+    (seen, stop): (&WorkProgress, &AtomicBool),
 ) -> Result<Option<AuditedSteps>, ExamineError> {
     let mut scene = scene.clone();
     let nothing_fixed = scene.blocks.iter().all(|block| !block.body.is_fixed());
@@ -87,7 +87,7 @@ fn make_in<R: Solve>(
     set: &ToleranceSet,
     (precision, held): (Precision, ClusterSupport),
     steps: u64,
-    (seen, stop): (&Seen, &AtomicBool),
+    (seen, stop): (&WorkProgress, &AtomicBool),
 ) -> Result<Option<AuditedSteps>, ExamineError> {
     let dynamics = Dynamics::<R, SpecRules>::new(scene, set)?;
     let mut run = AuditedRun::new(Box::new(dynamics), scene, set, (precision, AuditScope::OverlapsAndPassages))?;

@@ -1,8 +1,8 @@
 //! `examine` as a library: what it answers in memory, what it tells meanwhile, and that it can be stopped.
 
 use rockproof_examine::{
-    CheckError, CheckedModel, Examination, Naming, Seen, Settings, Stage, Verdict, document, examine, findings_table,
-    pair_table, worst_cases,
+    CheckError, CheckedModel, Examination, Naming, Settings, Stage, Verdict, WorkProgress, document, examine,
+    findings_table, pair_table, worst_cases,
 };
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Precision, Scene};
@@ -28,7 +28,7 @@ fn checked(scene: Scene, precision: Precision) -> Result<CheckedModel, CheckErro
     CheckedModel::new(PathBuf::from("model.toml"), scene, (spec, set), precision)
 }
 
-fn examined(model: CheckedModel, seen: &Seen) -> Option<Examination> {
+fn examined(model: CheckedModel, seen: &WorkProgress) -> Option<Examination> {
     examine(model, &WITHOUT_SEARCH, seen, &AtomicBool::new(false)).expect("an examination")
 }
 
@@ -39,7 +39,7 @@ fn naming(dir: Option<PathBuf>) -> Naming {
 
 #[test]
 fn an_answer_without_a_directory_names_no_file_of_it() {
-    let found = examined(model("0"), &Seen::default()).expect("an end");
+    let found = examined(model("0"), &WorkProgress::default()).expect("an end");
     let cases = worst_cases(&found);
     let verdict = Verdict::of(&found, &cases, &naming(None));
     assert!(verdict.is_safe && verdict.next.is_none(), "{}", verdict.text());
@@ -51,9 +51,9 @@ fn an_answer_without_a_directory_names_no_file_of_it() {
 
 #[test]
 fn findings_are_the_pairs_with_something_to_say() {
-    let sound = examined(model("0"), &Seen::default()).expect("an end");
+    let sound = examined(model("0"), &WorkProgress::default()).expect("an end");
     assert_eq!([pair_table(&sound).rows.len(), findings_table(&sound).rows.len()], [1, 0]);
-    let sunk = examined(model("-0.5"), &Seen::default()).expect("an end");
+    let sunk = examined(model("-0.5"), &WorkProgress::default()).expect("an end");
     let [row] = &findings_table(&sunk).rows[..] else { panic!("one pair") };
     assert_eq!(row[..3], [TableCell::Count(0), TableCell::Count(1), TableCell::Number(0.5)]);
     let verdict = Verdict::of(&sunk, &worst_cases(&sunk), &naming(None));
@@ -62,15 +62,16 @@ fn findings_are_the_pairs_with_something_to_say() {
 
 #[test]
 fn progress_is_told_and_the_work_can_be_stopped() {
-    let seen = Seen::default();
+    let seen = WorkProgress::default();
     assert!(seen.now().is_none());
     examined(model("0"), &seen).expect("an end");
     let now = seen.now().expect("a part");
     assert_eq!((now.stage, now.done, now.total), (Stage::Steps, 2, 2));
     // Asked from the beginning, and while the one pair is looked at for overlaps.
-    let stopped = |stop: &AtomicBool, seen: &Seen| examine(model("0"), &WITHOUT_SEARCH, seen, stop).expect("no error");
-    assert!(stopped(&AtomicBool::new(true), &Seen::default()).is_none());
-    let (seen, stop) = (Seen::default(), AtomicBool::new(false));
+    let stopped =
+        |stop: &AtomicBool, seen: &WorkProgress| examine(model("0"), &WITHOUT_SEARCH, seen, stop).expect("no error");
+    assert!(stopped(&AtomicBool::new(true), &WorkProgress::default()).is_none());
+    let (seen, stop) = (WorkProgress::default(), AtomicBool::new(false));
     std::thread::scope(|scope| {
         scope.spawn(|| {
             while seen.now().is_none() {

@@ -196,7 +196,7 @@ pub(crate) fn run_examination(
     let spec = spec_of(tolerances, model.scene.tolerances.as_ref())?;
     let given = tolerances.map_or(String::new(), |_| lib::setting(&spec));
     let settings = lib::Settings { steps, candidates, threads };
-    let seen = lib::Seen::default();
+    let seen = lib::WorkProgress::default();
     let tick = |py: Python<'_>| match (&progress, seen.now()) {
         (Some(progress), Some(now)) => progress.call1(py, (now.stage.name(), now.done, now.total)).map(drop),
         _ => Ok(()),

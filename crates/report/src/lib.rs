@@ -7,6 +7,7 @@
 pub mod chart;
 pub mod comparison;
 pub mod error;
+pub mod external_findings;
 pub mod glossary;
 pub mod latex;
 pub mod load;
@@ -15,7 +16,6 @@ pub mod markdown;
 pub mod model_view;
 pub mod motion;
 mod motion_verdict;
-pub mod own;
 pub mod page;
 mod rows;
 pub mod sections;

@@ -6,7 +6,7 @@ use super::rows::CsvTable;
 use super::table::{counted, grouped, short};
 use rockproof_model::simulation::step_in_words;
 use rockproof_model::text::escaped;
-use rockproof_simulate::kept::INTRUSIONS;
+use rockproof_simulate::worst_intrusions::INTRUSIONS;
 use rockproof_simulate::{AuditTotals, IntrusionRow, Totals};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Counts the findings of a campaign while reading them, in memory that does not grow with their number.
 
+use super::external_findings::{self, AllEngineFindings};
 use super::load::{is_made_for_ties, setting};
-use super::own::{self, Owns};
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::row::FindingRow;
@@ -102,13 +102,13 @@ pub struct FindingTally {
     /// The largest margin in roundoffs, whichever way, by engine and cause.
     pub furthest: BTreeMap<(String, Cause), f64>,
     /// What external engines get wrong.
-    pub own: Owns,
+    pub own: AllEngineFindings,
 }
 
 impl FindingTally {
     /// Adds a row of `findings.csv`.
     pub(super) fn add(&mut self, row: FindingRow) {
-        own::count(&mut self.own, &row);
+        external_findings::count(&mut self.own, &row);
         let FindingRow { cause, change, margin, margin_ulps, .. } = row;
         let engine = row.engine.to_string();
         self.total += 1;

@@ -3,9 +3,9 @@
 #[cfg(test)]
 mod tests;
 
+use super::external_findings;
 use super::load::{CampaignRun, Results, agreeing_share};
 use super::motion_verdict::{cut_line, lockstep_lines, motion_line};
-use super::own;
 use super::step_verdict::step_line;
 use super::stress_reach::{Reach, reach};
 use super::table::{counted, label, percent};
@@ -47,7 +47,7 @@ const MOST: usize = 4;
 /// The lines. A bad one is never left out.
 pub fn verdict(results: &Results) -> Vec<VerdictLine> {
     let mut lines = Vec::new();
-    let external = own::lines(&results.campaigns);
+    let external = external_findings::lines(&results.campaigns);
     let most = MOST + external.len();
     if !results.campaigns.is_empty() {
         lines.push(right(&results.campaigns));
@@ -235,7 +235,7 @@ fn mistakes(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
     let mut builtin: BTreeSet<String> = BTreeSet::new();
     let mut silent = false;
     for campaign in campaigns {
-        let external = own::external(campaign);
+        let external = external_findings::external(campaign);
         for engine in campaign.engines().into_iter().filter(|engine| !external.contains(engine)) {
             let counts = campaign.of_engine(&engine);
             if counts.silent < counts.pairs {
@@ -245,7 +245,7 @@ fn mistakes(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
             }
         }
     }
-    let outside = campaigns.iter().any(|campaign| !own::external(campaign).is_empty());
+    let outside = campaigns.iter().any(|campaign| !external_findings::external(campaign).is_empty());
     let is_alone = total == 0;
     let total = total - count(Cause::Engine);
     let rest: Vec<String> = Cause::ALL

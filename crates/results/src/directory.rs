@@ -1,13 +1,13 @@
 //! A directory of results that a command has claimed.
 
 use super::atomic::{unfinished, write_atomically};
+use super::bounded_read::has_rows;
 use super::claim::{Claim, Start};
 use super::error::ResultsError;
 use super::lock::Lock;
 use super::manifest::{FileKind, MANIFEST, Manifest, Owner};
 use super::seal::{Seal, read_sealed, sealed};
 use super::table::AppendedTable;
-use super::whole::has_rows;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};

@@ -6,27 +6,27 @@
 //! written beside their final name and renamed ([`write_atomically`]), tables that grow carry a [`Seal`]. A [`View`] reads what others wrote.
 
 mod atomic;
+mod bounded_read;
 mod claim;
 mod directory;
 mod error;
+mod file_stem;
 mod identity;
 mod lock;
 mod manifest;
 mod seal;
-mod stem;
 mod table;
 mod unprotected;
 mod view;
-mod whole;
 
 pub use atomic::write_atomically;
 pub use claim::{Claim, Start};
 pub use directory::Directory;
 pub use error::ResultsError;
+pub use file_stem::bounded;
 pub use identity::{identity_differences, setting_text};
 pub use manifest::{FileKind, MANIFEST, Owner, is_inside};
 pub use seal::{Seal, digest};
-pub use stem::bounded;
 pub use table::AppendedTable;
 pub use unprotected::on_unprotected;
 pub use view::View;

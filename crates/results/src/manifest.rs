@@ -1,9 +1,9 @@
 //! Which command a directory belongs to, and which files in it that command wrote.
 
 use super::atomic::write_atomically;
+use super::bounded_read::read_whole;
 use super::error::ResultsError;
 use super::seal::{sealed, unsealed};
-use super::whole::read_whole;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;

@@ -1,7 +1,7 @@
 //! Seals: what a file held when it was written, so that a changed one is never gone on from.
 
+use super::bounded_read::read_whole;
 use super::error::ResultsError;
-use super::whole::read_whole;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

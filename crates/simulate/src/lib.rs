@@ -8,16 +8,16 @@ pub mod checkpoint;
 pub mod exact_float;
 pub mod frame;
 pub mod identity;
-pub mod kept;
 pub mod plan;
 pub mod record;
 pub mod run;
 pub mod tables;
 pub mod totals;
+pub mod worst_intrusions;
 
 pub use audit::{AuditScope, AuditTotals, PairDepth, StepAudit, StepPassages};
-pub use kept::{IntrusionRow, KeptIntrusion, KeptIntrusions};
 pub use plan::Plan;
 pub use record::RunRecord;
 pub use run::{Ending, Run, RunError, Stepping};
 pub use totals::Totals;
+pub use worst_intrusions::{IntrusionRow, WorstIntrusion, WorstIntrusions};

@@ -6,10 +6,10 @@
 
 use crate::checkpoint::SavedState;
 use crate::exact_float::ExactFloat;
-use crate::kept::{INTRUSIONS, IntrusionRow, KeptIntrusion};
 use crate::run::RunError;
 use crate::tables;
 use crate::totals::Totals;
+use crate::worst_intrusions::{INTRUSIONS, IntrusionRow, WorstIntrusion};
 use rockproof_model::vtu;
 use rockproof_results as results;
 use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Seal, Start, identity_differences};
@@ -36,7 +36,7 @@ pub struct RunProgress {
     pub beside: BTreeMap<String, u64>,
     /// Passages and unseen overlaps that get a case; empty without an audit.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub intrusions: Vec<KeptIntrusion>,
+    pub intrusions: Vec<WorstIntrusion>,
     /// Seconds of work, over all sessions.
     pub seconds: f64,
     /// How often the run was taken up again.

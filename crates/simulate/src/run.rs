@@ -3,8 +3,8 @@
 use crate::audit::{AuditTotals, StepAudit};
 use crate::checkpoint::SavedState;
 use crate::exact_float::ExactFloat;
-use crate::kept::KeptIntrusion;
 use crate::record::{Frame, RunRecord, RunTable};
+use crate::worst_intrusions::WorstIntrusion;
 use crate::{Plan, frame, tables};
 use rockproof_model::{Scene, vtu};
 use rockproof_results::ResultsError;
@@ -44,7 +44,7 @@ pub struct StepAnnotations {
     /// State files: a name within `states/`, and what it holds.
     pub states: Vec<(String, Vec<u8>)>,
     /// The passages and unseen overlaps of the run that get a case, where they are others than before.
-    pub intrusions: Option<Vec<KeptIntrusion>>,
+    pub intrusions: Option<Vec<WorstIntrusion>>,
     /// What adds up over a run, by name.
     pub counts: Vec<(&'static str, u64)>,
     /// Why the run ends here, if it does.

@@ -8,7 +8,7 @@ pub mod contact;
 mod deferred;
 pub mod dynamics;
 pub mod engine;
-mod nearby;
+mod motion_interval;
 pub mod real;
 pub mod vector;
 pub mod wide;

@@ -12,7 +12,7 @@ mod sealed {
     impl Sealed for f64 {}
     impl Sealed for crate::wide::Wide {}
     impl Sealed for crate::deferred::Deferred {}
-    impl Sealed for crate::nearby::Nearby {}
+    impl Sealed for crate::motion_interval::MotionInterval {}
 }
 
 /// What contact classification asks of a number: the four operations, a square root, comparisons.

@@ -2,7 +2,7 @@
 
 use super::TuneError;
 use super::cluster::{self, Cluster};
-use super::given::{GivenOverlap, GivenOverlaps, Share};
+use super::given_overlaps::{GivenOverlap, GivenOverlaps, Share};
 use super::probes::{Differences, Probes};
 use super::steps::{InitialOverlaps, LockstepMeasures, StepMeasures, measure_lockstep, measure_steps};
 use rockproof_differential::builtin::{ENGINES, StepperEngine};

@@ -8,7 +8,7 @@ mod candidate;
 mod cluster;
 pub mod distribute;
 mod evaluator;
-mod given;
+mod given_overlaps;
 mod pair_check;
 mod probes;
 mod record;

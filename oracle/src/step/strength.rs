@@ -1,7 +1,7 @@
 //! The areas on which cohesion and tensile strength act (SPEC 5.15), exactly: in integers, on the common lattice of both blocks.
 
 use super::contact::Sides;
-use crate::overlap::{Flat, common_area};
+use crate::common_area::{Flat, common_area};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;

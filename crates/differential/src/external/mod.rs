@@ -10,7 +10,7 @@ pub mod protocol;
 pub mod spec;
 
 #[cfg(not(unix))]
-#[path = "elsewhere.rs"]
+#[path = "unsupported_platform.rs"]
 pub mod process;
 
 #[cfg(unix)]

@@ -1,9 +1,9 @@
 //! The case of a passage or an unseen overlap in a run: its step made again on both sides, of as few blocks as show it, and its causes.
 //! Which blocks show it, the stepper alone says (`intrusion_part.rs`).
 
-use crate::lockstep::attribution::ComparedLinks;
 use crate::lockstep::case_file::{Expected, StepCase};
 use crate::lockstep::cutout::cutout;
+use crate::lockstep::explain::ComparedLinks;
 use crate::lockstep::intrusion::{CausedIntrusion, Intrusion};
 use crate::lockstep::intrusion_part::ShowingStep;
 use crate::lockstep::recorded::{run_difference, run_intrusion};

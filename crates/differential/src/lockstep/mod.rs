@@ -2,15 +2,15 @@
 //! (SPEC section 6). `docs/lockstep.md` describes what comes of it.
 
 pub mod answer;
-pub mod attribution;
 pub mod case_file;
 pub mod cutout;
 pub mod drift;
-pub mod effect;
+pub mod explain;
 pub mod free;
 pub mod intrusion;
 pub mod intrusion_case;
 mod intrusion_part;
+pub mod penetration_cause;
 pub mod recorded;
 pub mod replay;
 pub mod run;
@@ -23,9 +23,9 @@ pub mod trajectory;
 pub mod wide;
 
 pub use answer::{StepAnswerChange, StepDecisions, StepDifference, compare};
-pub use attribution::{AttributedDifference, ComparedLinks};
 pub use case_file::StepCase;
 pub use drift::{Drift, Drifting};
+pub use explain::{AttributedDifference, ComparedLinks};
 pub use free::FreeStepping;
 pub use intrusion::{Intrusion, StepCause, WatchedStep};
 pub use replay::{ReplayError, ReplayedStep};

@@ -1,6 +1,6 @@
 //! What state files say that differed, in words: those of pairs in a campaign leave the blocks out, those of runs name them.
 
-use crate::lockstep::attribution::AttributedDifference;
+use crate::lockstep::explain::AttributedDifference;
 use crate::lockstep::intrusion::CausedIntrusion;
 
 /// A difference as a case of a campaign has it.

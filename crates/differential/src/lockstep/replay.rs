@@ -1,8 +1,8 @@
 //! The step of a state file, made again on both sides.
 
-use crate::lockstep::attribution::ComparedLinks;
 use crate::lockstep::case_file::{Expected, StepCase, StepCaseError};
 use crate::lockstep::drift::Drift;
+use crate::lockstep::explain::ComparedLinks;
 use crate::lockstep::intrusion::{StepCause, WatchedStep};
 use crate::lockstep::recorded::{pair_difference, pair_intrusion, run_difference, run_intrusion};
 use crate::lockstep::run::{ComparedStep, Lockstep, LockstepError};

@@ -4,11 +4,11 @@
 
 use crate::finding::Cause;
 use crate::lockstep::answer::{StepDecisions, StepDifference, compare};
-use crate::lockstep::attribution::{
+use crate::lockstep::explain::{
     AttributedDifference, ComparedLinks, Explainer, LinkSide, measure_modes, stepper_trace,
 };
-use crate::lockstep::effect::{StepPenetrations, penetration};
 use crate::lockstep::intrusion::{Watch, WatchedStep};
+use crate::lockstep::penetration_cause::{StepPenetrations, penetration};
 use crate::lockstep::scene::{ExactScene, NumberOverflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::state_errors::{anchor_error, displacement_error, velocity_error};

@@ -1,7 +1,7 @@
 //! Rows of `lockstep.csv` and `differences.csv` (docs/lockstep.md).
 
 use crate::finding::{Cause, DecidingDecision};
-use crate::lockstep::attribution::AttributedDifference;
+use crate::lockstep::explain::AttributedDifference;
 use crate::lockstep::run::ComparedStep;
 
 /// Columns of `lockstep.csv`.

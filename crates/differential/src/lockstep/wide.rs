@@ -86,7 +86,7 @@ impl<M: StepRules> WideStepper<M> {
             let (restored, in_restoring) =
                 count_unsettled(|| in_bits(FEWER_BITS, || in_fewer_bits.restore(state.clone())));
             restored.ok()?;
-            let (contacts, in_contacts) = in_fewer_bits.foreseen_contacts(set)?;
+            let (contacts, in_contacts) = in_fewer_bits.filtered_contacts(set)?;
             let prescribed = PrescribedStep { contacts: &contacts, attempt: None };
             let work = || in_bits(FEWER_BITS, || in_fewer_bits.step_prescribed(&prescribed));
             let (report, in_iteration) = count_unsettled(work);

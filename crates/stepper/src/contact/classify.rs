@@ -1,7 +1,7 @@
 //! The classification of a pair: rough phase, the four tests in their order, exits.
 
 use crate::contact::broad::{NearFeatures, neighbours, reach_of_kept};
-use crate::contact::nearby_pairs::{NearbyPairs, Planes};
+use crate::contact::nearby_features::{NearbyFeatures, Planes};
 use crate::contact::pair::{ExitCandidate, Pair};
 use crate::contact::prepared_block::PreparedBlock;
 use crate::contact::rules::ContactRules;
@@ -33,7 +33,7 @@ pub struct ClassificationRequest<'s, R> {
     /// The contacts of this pair that the step before left closed, in any order: depth alone does not end them.
     pub kept: &'s [ContactKey],
     /// The only pairs of features of which there can be contacts, where that is known: then no others are looked at.
-    pub among: Option<&'s NearbyPairs>,
+    pub among: Option<&'s NearbyFeatures>,
 }
 
 /// The contacts of two blocks, in the order of SPEC section 4, where nothing is kept.
@@ -95,7 +95,7 @@ impl<R: Real> ClassificationRequest<'_, R> {
             seen,
             candidates: Vec::new(),
             true_exits: Vec::new(),
-            hits: Vec::with_capacity(among.map_or(0, NearbyPairs::len)),
+            hits: Vec::with_capacity(among.map_or(0, NearbyFeatures::len)),
             rules: PhantomData,
         };
         if let Some(among) = among {

@@ -1,7 +1,7 @@
 //! Test 4: crossing e-e, and the plane that two edges span.
 
 use crate::contact::entrance::Candidate;
-use crate::contact::nearby_pairs::Planes;
+use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::FaceOfEdge;
 use crate::contact::rules::ContactRules;

@@ -1,7 +1,7 @@
 //! Test 2: v-e, and e-v with the roles exchanged.
 
 use crate::contact::entrance::Plane;
-use crate::contact::nearby_pairs::Planes;
+use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::FaceOfEdge;
 use crate::contact::rules::ContactRules;

@@ -1,7 +1,7 @@
 //! Test 3: v-f, and f-v with the roles exchanged.
 
 use crate::contact::entrance::Candidate;
-use crate::contact::nearby_pairs::Planes;
+use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::{FaceOfEdge, PreparedBlock};
 use crate::contact::rules::ContactRules;

@@ -1,7 +1,7 @@
 //! Test 1: v-v.
 
 use crate::contact::entrance::Plane;
-use crate::contact::nearby_pairs::Planes;
+use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;

@@ -10,8 +10,8 @@ use crate::dynamics::rules::StepRules;
 use crate::dynamics::setup::StepLimits;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::Mode;
-use crate::dynamics::still::StillIslands;
 use crate::dynamics::system::CONTACTS_AT_ONCE;
+use crate::dynamics::unchanged::UnchangedIslands;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::time::Instant;
@@ -24,7 +24,7 @@ pub(super) struct OpenCloseIteration<'s, R> {
     /// The modes of each solve and those after the last, where they are not to be judged.
     pub(super) prescribed: Option<&'s [Vec<Mode>]>,
     /// Islands of which the solution is known.
-    pub(super) still: Option<&'s StillIslands<R>>,
+    pub(super) unchanged: Option<&'s UnchangedIslands<R>>,
 }
 
 /// How an iteration ended.
@@ -64,12 +64,12 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
         spare: &mut Memory<R>,
         iteration_times: &mut IterationTimes,
     ) -> Result<IterationResult<R>, FactorizationFailure> {
-        let (solves, mut still) = (iteration_times.solves, self.still);
+        let (solves, mut unchanged) = (iteration_times.solves, self.unchanged);
         loop {
-            if let Some(ended) = self.iterate::<M>(still, contacts, layouts, spare, iteration_times)? {
+            if let Some(ended) = self.iterate::<M>(unchanged, contacts, layouts, spare, iteration_times)? {
                 return Ok(ended);
             }
-            (iteration_times.solves, still) = (solves, None);
+            (iteration_times.solves, unchanged) = (solves, None);
         }
     }
 
@@ -77,7 +77,7 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
     /// the solves before, so the iteration must begin again without it.
     fn iterate<M: StepRules>(
         &self,
-        still: Option<&StillIslands<R>>,
+        unchanged: Option<&UnchangedIslands<R>>,
         contacts: &mut [StepContact<R>],
         layouts: &mut Layouts,
         spare: &mut Memory<R>,
@@ -118,12 +118,12 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
                     kept.extend(left.map(|left| (lowest, left)));
                     continue;
                 }
-                if let Some(still) = still.filter(|still| ended.iterations == 0 && still.has(&island)) {
+                if let Some(unchanged) = unchanged.filter(|unchanged| ended.iterations == 0 && unchanged.has(&island)) {
                     for &block in &island.couplings.blocks {
-                        d[block as usize] = still.d[block as usize];
+                        d[block as usize] = unchanged.d[block as usize];
                     }
                     let layout = layouts.of(&island.couplings).ok_or(FactorizationFailure { block: lowest })?;
-                    if R::REFINES && layout.is_very_large() {
+                    if R::USES_CONJUGATE_GRADIENTS && layout.suits_conjugate_gradients() {
                         known.extend(island.couplings.blocks);
                     }
                     continue;

@@ -33,7 +33,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         loop {
             let block_systems = self.block_systems(time_step, settling);
             let known =
-                self.still.islands.as_ref().filter(|known| {
+                self.unchanged.islands.as_ref().filter(|known| {
                     self.skips.islands && known.settling == settling && known.time_step.is_same(time_step)
                 });
             let iteration = OpenCloseIteration {
@@ -41,7 +41,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 limits: &self.setup.limits,
                 settling,
                 prescribed: None,
-                still: known,
+                unchanged: known,
             };
             let ended = iteration
                 .run::<M>(contacts, &mut self.layouts, &mut self.spare, &mut self.iteration_times)

@@ -10,6 +10,7 @@ use crate::dynamics::friction::{Friction, FrictionMisfit};
 use crate::dynamics::island::Memory;
 use crate::dynamics::layout::Layouts;
 use crate::dynamics::moments::{BlockMatrix, Moments};
+use crate::dynamics::neighbour_list::{BlockTravel, NeighbourList, skin};
 use crate::dynamics::neighbours::Neighbours;
 use crate::dynamics::plane::plane;
 use crate::dynamics::prescribed::PrescribedStep;
@@ -18,9 +19,8 @@ use crate::dynamics::rules::StepRules;
 use crate::dynamics::setup::{SceneSetup, SetupError};
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
-use crate::dynamics::still::Still;
 use crate::dynamics::transfer;
-use crate::dynamics::watch::{Travel, Watched, nearby_margin};
+use crate::dynamics::unchanged::Unchanged;
 use crate::real::Real;
 use crate::vector::Vector;
 use rayon::prelude::*;
@@ -38,12 +38,12 @@ pub struct Dynamics<R, M = SpecRules> {
     pub(super) solids: Vec<PreparedBlock<R>>,
     pub(super) moments: Vec<Moments<R>>,
     pub(super) neighbours: Neighbours,
-    pub(super) travel: Travel,
+    pub(super) travel: BlockTravel,
     pub(super) layouts: Layouts,
     /// Memory for factors, kept from step to step: to fetch it anew costs time.
     pub(super) spare: Memory<R>,
     pub(super) skips: Skips,
-    pub(super) still: Still<R>,
+    pub(super) unchanged: Unchanged<R>,
     first_modes: Vec<Mode>,
     pub(super) modes: Vec<Vec<Vec<Mode>>>,
     phases: PhaseTimes,
@@ -64,7 +64,7 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
             layouts: self.layouts.clone(),
             spare: Memory::NONE,
             skips: self.skips,
-            still: self.still.clone(),
+            unchanged: self.unchanged.clone(),
             first_modes: self.first_modes.clone(),
             modes: self.modes.clone(),
             phases: self.phases,
@@ -137,7 +137,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let state = setup.begin(scene)?;
         let PreparedBlocks { solids, moments } = PreparedBlocks::new(&setup.blocks, &state.blocks)?;
         let at = |moments: &Moments<R>| moments.centroid.components().map(Real::to_f64);
-        let travel = Travel::of(solids.len());
+        let travel = BlockTravel::of(solids.len());
         let layouts = Layouts::new(moments.iter().map(at).collect());
         Ok(Dynamics {
             setup,
@@ -149,7 +149,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             layouts,
             spare: Memory::NONE,
             skips: scene.simulation.control.skips,
-            still: Still::NONE,
+            unchanged: Unchanged::NONE,
             first_modes: Vec::new(),
             modes: Vec::new(),
             phases: PhaseTimes::default(),
@@ -188,7 +188,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let PreparedBlocks { solids, moments } = PreparedBlocks::new(&self.setup.blocks, &state.blocks)?;
         (self.state, self.solids, self.moments) = (state, solids, moments);
         self.neighbours.forget();
-        self.still = Still::NONE;
+        self.unchanged = Unchanged::NONE;
         Ok(())
     }
 
@@ -269,7 +269,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         self.phases.update += begun.elapsed();
         if prescribed.is_some() {
             // Its contacts were not classified, nor its modes found.
-            self.still = Still::NONE;
+            self.unchanged = Unchanged::NONE;
             self.neighbours.forget_features();
         }
         report
@@ -283,13 +283,13 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let (pairs, watched) = neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances);
         self.phases.rough += begun.elapsed();
         let begun = Instant::now();
-        let margin = nearby_margin(self.setup.tolerances.search);
+        let margin = skin(self.setup.tolerances.search);
         // What other rules refuse is not known.
         let watches = self.skips.features && TypeId::of::<M>() == TypeId::of::<SpecRules>();
-        let of_pair = |(&pair, watched): (&[u32; 2], &mut Watched)| {
+        let of_pair = |(&pair, watched): (&[u32; 2], &mut NeighbourList)| {
             let [a, b] = pair.map(|block| &self.solids[block as usize]);
             let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
-            if self.skips.pairs && self.still.has(pair) {
+            if self.skips.pairs && self.unchanged.has(pair) {
                 let contacts: Vec<Contact> = old.iter().map(|old| old.contact).collect();
                 return self.of_pair(pair, &contacts);
             }
@@ -302,7 +302,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         };
         let before = self.state.contacts.len();
         let mut contacts = Vec::with_capacity(before + before / 8);
-        let classified = |(part, watched): (&[[u32; 2]], &mut [Watched])| -> Vec<Vec<StepContact<R>>> {
+        let classified = |(part, watched): (&[[u32; 2]], &mut [NeighbourList])| -> Vec<Vec<StepContact<R>>> {
             part.par_iter().zip(watched).map(of_pair).collect()
         };
         let mut parts = pairs.chunks(PAIRS_AT_ONCE).zip(watched.chunks_mut(PAIRS_AT_ONCE));

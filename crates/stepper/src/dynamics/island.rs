@@ -1,11 +1,11 @@
 //! Islands: blocks that closed contacts tie together. Each is a system of its own (SPEC section 5, `K d = F`).
 
+use crate::dynamics::conjugate_gradients::Refining;
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::displacement::BlockVector;
 use crate::dynamics::layout::{Couplings, IslandLayout, Layouts};
 use crate::dynamics::pattern::Pattern;
 use crate::dynamics::products::Products;
-use crate::dynamics::refine::Refining;
 use crate::dynamics::report::IterationTimes;
 use crate::dynamics::solve::{Singular, Solve};
 use crate::dynamics::state::Mode;
@@ -189,7 +189,8 @@ impl Island {
                     None => std::mem::replace(work.spare, Memory::NONE),
                 };
                 let marked = vec![true; layout.pattern.panel_count()];
-                let single = (R::REFINES && layout.is_very_large()).then(|| SingleFactor::none(marked.len()));
+                let single = (R::USES_CONJUGATE_GRADIENTS && layout.suits_conjugate_gradients())
+                    .then(|| SingleFactor::none(marked.len()));
                 (CachedFactor { layout: layout.clone(), memory, single }, marked)
             }
         };

@@ -2,7 +2,7 @@
 
 use crate::dynamics::elimination_order::{Graph, Renumbered, elimination_order};
 use crate::dynamics::pattern::Pattern;
-use crate::dynamics::solve::{DENSE, REFINED_FROM};
+use crate::dynamics::solve::{CONJUGATE_GRADIENTS_FROM, DENSE};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -21,8 +21,8 @@ impl IslandLayout {
     }
 
     /// Whether its factor takes so much for its size that one in f32 is made, and the solution refined.
-    pub(super) fn is_very_large(&self) -> bool {
-        self.pattern.work() >= REFINED_FROM * self.pattern.values() as u64
+    pub(super) fn suits_conjugate_gradients(&self) -> bool {
+        self.pattern.work() >= CONJUGATE_GRADIENTS_FROM * self.pattern.values() as u64
     }
 }
 

@@ -2,7 +2,7 @@
 //! moved into reach.
 
 use crate::contact::{PreparedBlock, Tolerances};
-use crate::dynamics::watch::Watched;
+use crate::dynamics::neighbour_list::NeighbourList;
 use crate::real::Real;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -12,7 +12,7 @@ use rstar::{AABB, RTree};
 pub(super) struct Neighbours {
     pairs: Vec<[u32; 2]>,
     /// What is known of each of the pairs.
-    watched: Vec<Watched>,
+    watched: Vec<NeighbourList>,
     /// How far a vertex may still move before a pair could be missing (m).
     margin_left: f64,
     known: bool,
@@ -25,7 +25,7 @@ impl Neighbours {
         solids: &[PreparedBlock<R>],
         fixed: &[bool],
         t: &Tolerances<R>,
-    ) -> (&[[u32; 2]], &mut [Watched]) {
+    ) -> (&[[u32; 2]], &mut [NeighbourList]) {
         if !self.known {
             self.find(solids, fixed, t.reach.to_f64());
         }
@@ -52,7 +52,7 @@ impl Neighbours {
 
     /// Forgets which features of each pair are near.
     pub(super) fn forget_features(&mut self) {
-        self.watched.fill(Watched::default());
+        self.watched.fill(NeighbourList::default());
     }
 
     fn find<R: Real>(&mut self, solids: &[PreparedBlock<R>], fixed: &[bool], reach: f64) {
@@ -81,7 +81,7 @@ impl Neighbours {
         let mut known = before.into_iter().zip(std::mem::take(&mut self.watched)).peekable();
         let watched = |pair: &[u32; 2]| {
             while known.next_if(|(other, _)| other < pair).is_some() {}
-            known.next_if(|(other, _)| other == pair).map_or_else(Watched::default, |(_, watched)| watched)
+            known.next_if(|(other, _)| other == pair).map_or_else(NeighbourList::default, |(_, watched)| watched)
         };
         self.watched = self.pairs.iter().map(watched).collect();
         self.margin_left = margin;

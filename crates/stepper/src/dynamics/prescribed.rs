@@ -65,7 +65,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             limits: &self.setup.limits,
             settling,
             prescribed: Some(prescribed.modes),
-            still: None,
+            unchanged: None,
         };
         let ended = iteration
             .run::<M>(contacts, &mut self.layouts, &mut self.spare, &mut self.iteration_times)

@@ -12,9 +12,9 @@ use crate::wide::Wide;
 pub const DENSE: usize = 96;
 
 /// Systems of which the factor takes so many multiplications or more for each of its values, about, are very large: see
-/// [`Solve::REFINES`]. A factor in f32 takes about half of the multiplications' time away, and brings three substitutions more, which take time by
+/// [`Solve::USES_CONJUGATE_GRADIENTS`]. A factor in f32 takes about half of the multiplications' time away, and brings three substitutions more, which take time by
 /// the values.
-pub const REFINED_FROM: u64 = 500;
+pub const CONJUGATE_GRADIENTS_FROM: u64 = 500;
 
 /// A pivot that is not positive and finite: the system is singular, or became so by rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub type Fill<'f, R> = dyn Fn(usize, &mut [R]) + Sync + 'f;
 /// A scalar in which systems can be solved.
 pub trait Solve: CompiledSteps + Real + Send + Sync {
     /// Whether very large systems are solved by a factor in f32, and refined to this scalar's precision.
-    const REFINES: bool;
+    const USES_CONJUGATE_GRADIENTS: bool;
 
     /// Gives the panels that are marked the values of the factor. All others have them already, and depend on none that is marked. `fill`
     /// adds the values of the matrix to those of a panel, which are zero.
@@ -61,7 +61,7 @@ pub trait Solve: CompiledSteps + Real + Send + Sync {
 macro_rules! solve_by_panels {
     ($type:ty, $refines:literal) => {
         impl Solve for $type {
-            const REFINES: bool = $refines;
+            const USES_CONJUGATE_GRADIENTS: bool = $refines;
 
             fn factorize(
                 pattern: &Pattern,
@@ -85,7 +85,7 @@ solve_by_panels!(f64, true);
 
 /// Its values stay those of the matrix.
 impl Solve for Wide {
-    const REFINES: bool = false;
+    const USES_CONJUGATE_GRADIENTS: bool = false;
 
     fn factorize(
         pattern: &Pattern,

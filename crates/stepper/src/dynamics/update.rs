@@ -9,13 +9,13 @@ use crate::dynamics::engine::Dynamics;
 use crate::dynamics::island::islands;
 use crate::dynamics::kinematics::AffineMotion;
 use crate::dynamics::moments::Moments;
+use crate::dynamics::neighbour_list::{farthest, skin};
 use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{BlockState, Mode, State};
-use crate::dynamics::still::{Still, StillIslands, different_pairs, same_motion, same_points};
 use crate::dynamics::system::CONTACTS_AT_ONCE;
-use crate::dynamics::watch::{farthest, nearby_margin};
+use crate::dynamics::unchanged::{Unchanged, UnchangedIslands, different_pairs, same_motion, same_points};
 use rayon::prelude::*;
 
 /// A thread takes so many blocks at a time.
@@ -163,10 +163,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             debug_assert!(restored.is_ok(), "a state that was prepared once is prepared again");
             return Err(StepError::Collapsed { step: number, block, what });
         }
-        self.still = self.still_after(contacts, &next, unmoved, (&ended, time_step, settling));
+        self.unchanged = self.still_after(contacts, &next, unmoved, (&ended, time_step, settling));
         self.state = next;
         self.moments = moments;
-        let margin = nearby_margin(self.setup.tolerances.search);
+        let margin = skin(self.setup.tolerances.search);
         for (block, distance) in distances.into_iter().enumerate() {
             self.travel.add(block, distance, margin);
         }
@@ -183,17 +183,17 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         next: &State<R>,
         unmoved: Vec<bool>,
         (ended, time_step, settling): (&IterationResult<R>, R, bool),
-    ) -> Still<R> {
+    ) -> Unchanged<R> {
         let moving = |block: usize| !self.is_fixed(block);
         if !(0..unmoved.len()).any(|block| moving(block) && unmoved[block]) {
-            return Still::NONE;
+            return Unchanged::NONE;
         }
         let kept_others = different_pairs(&self.state.contacts, &next.contacts, |contact| M::leaves_kept(contact.mode));
         // Velocities of the scene are set when settling is over.
         if !self.skips.islands || settling != (next.settling > 0) {
-            return Still { unmoved, kept_others, islands: None };
+            return Unchanged { unmoved, kept_others, islands: None };
         }
-        let mut still: Vec<bool> = (0..unmoved.len())
+        let mut unchanged: Vec<bool> = (0..unmoved.len())
             .map(|block| {
                 let same = || same_motion(&self.state.blocks[block], &next.blocks[block]);
                 moving(block) && unmoved[block] && !ended.touched[block] && same()
@@ -202,26 +202,26 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         // What time or its own motion may change.
         for block in self.setup.loads.iter().map(|load| load.block).chain(self.setup.held.iter().map(|held| held.block))
         {
-            still[block] = false;
+            unchanged[block] = false;
         }
         for pair in &kept_others {
-            pair.iter().for_each(|&block| still[block as usize] = false);
+            pair.iter().for_each(|&block| unchanged[block as usize] = false);
         }
         for (contact, after) in contacts.iter().zip(&next.contacts).filter(|(contact, _)| contact.is_closed()) {
             let [a, b] = contact.anchors;
             let before = if contact.plane.a_enters { [a, b] } else { [b, a] };
             if !same_points(&before, &after.anchors) {
-                after.blocks.iter().for_each(|&block| still[block as usize] = false);
+                after.blocks.iter().for_each(|&block| unchanged[block as usize] = false);
             }
         }
         let unknowns: Vec<usize> = self.setup.bodies.iter().map(|body| body.motion.unknowns()).collect();
         let blocks: Vec<[u32; 2]> = contacts.iter().map(|contact| contact.blocks).collect();
         let modes: Vec<Mode> = contacts.iter().map(|contact| contact.iterate.mode).collect();
         for island in islands(&unknowns, &blocks, &modes) {
-            let all = island.couplings.blocks.iter().all(|&block| still[block as usize]);
-            island.couplings.blocks.iter().for_each(|&block| still[block as usize] = all);
+            let all = island.couplings.blocks.iter().all(|&block| unchanged[block as usize]);
+            island.couplings.blocks.iter().for_each(|&block| unchanged[block as usize] = all);
         }
-        let islands = StillIslands { time_step, settling, blocks: still, d: ended.d.clone() };
-        Still { unmoved, kept_others, islands: Some(islands) }
+        let islands = UnchangedIslands { time_step, settling, blocks: unchanged, d: ended.d.clone() };
+        Unchanged { unmoved, kept_others, islands: Some(islands) }
     }
 }

@@ -12,7 +12,7 @@ mod bent;
 mod golden;
 mod hand_worked;
 mod kept;
-mod nearby;
+mod nearby_features;
 mod planted;
 mod solid;
 mod traces;

@@ -4,7 +4,7 @@ use super::lookahead::Lookahead;
 use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, SentResult, unasked};
 use crate::TuneError;
 use crate::evaluator::{Evaluator, UnauditedEvaluator};
-use crate::given::{GivenOverlap, Share};
+use crate::given_overlaps::{GivenOverlap, Share};
 use crate::search::Search;
 use rayon::ThreadPool;
 use rockproof_campaign::distribute::ranks::{self, Introduction, Order, Report, encoded, taken};

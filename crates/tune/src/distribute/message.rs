@@ -1,7 +1,7 @@
 //! What ranks of a search tell one another, after their introductions.
 
 use crate::evaluator::{Evaluator, Measurement};
-use crate::given::{GivenOverlap, Share};
+use crate::given_overlaps::{GivenOverlap, Share};
 use crate::probes::Differences;
 use crate::search::SetRecipe;
 use crate::steps::{LockstepMeasures, StepMeasures};

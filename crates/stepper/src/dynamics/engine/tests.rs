@@ -170,7 +170,7 @@ fn same_bits_on(numbers: &[usize]) {
                 let islands = islands(&unknowns, &pairs, &modes);
                 assert_eq!(islands.len(), 1 + usize::from(twice));
                 let layout = dynamics.layouts.of(&islands[0].couplings).expect("a layout");
-                assert_eq!(layout.is_very_large(), very_large, "{size:?}");
+                assert_eq!(layout.suits_conjugate_gradients(), very_large, "{size:?}");
                 // Zeros of both signs are equal, but not the same bits: they are written differently.
                 (reports, dynamics.modes.clone(), format!("{:?}", dynamics.state))
             })

@@ -1,7 +1,7 @@
 //! Which pairs of features can be in a contact while two blocks stay near where they are.
 //!
-//! Of most pairs of features SPEC section 4 refuses a contact, and would still do so if every vertex moved a little. [`Pair::nearby_pairs`] finds the
-//! others (`nearby_search.rs`), and [`Pair::classify_nearby`] puts only these through the tests, once it has proved that the blocks are still near.
+//! Of most pairs of features SPEC section 4 refuses a contact, and would still do so if every vertex moved a little. [`Pair::nearby_features`] finds the
+//! others (`nearby_feature_search.rs`), and [`Pair::classify_nearby`] puts only these through the tests, once it has proved that the blocks are still near.
 
 #[cfg(test)]
 mod tests;
@@ -19,7 +19,7 @@ use smallvec::SmallVec;
 
 /// The pairs of features of two blocks that can be in a contact while no vertex of either moves further than a margin.
 #[derive(Clone, Debug)]
-pub struct NearbyPairs {
+pub struct NearbyFeatures {
     /// The blocks, A and B, where they were when the pairs were found.
     blocks: [PlacedBlock; 2],
     /// How far each coordinate of each vertex may be from there (m), but for a translation of both blocks alike.
@@ -45,7 +45,7 @@ pub(super) struct NearbyPair {
     pub(super) planes: Planes,
 }
 
-impl NearbyPairs {
+impl NearbyFeatures {
     /// How many they are.
     pub fn len(&self) -> usize {
         self.pairs.len()
@@ -94,7 +94,7 @@ impl Pair<'_> {
     /// that both blocks make alike. `None` where `margin` is no positive number.
     ///
     /// To find them costs as much as some ten classifications or more.
-    pub fn nearby_pairs(&self, tolerances: &ToleranceSet, margin: f64) -> Option<NearbyPairs> {
+    pub fn nearby_features(&self, tolerances: &ToleranceSet, margin: f64) -> Option<NearbyFeatures> {
         if !(margin > 0.0 && margin.is_finite()) {
             return None;
         }
@@ -102,8 +102,8 @@ impl Pair<'_> {
             block: solid.block.clone(),
             vertices: solid.vertices.iter().copied().collect(),
         };
-        let pairs = Classification::new(self, tolerances, Unobserved).find_nearby_pairs(margin);
-        Some(NearbyPairs {
+        let pairs = Classification::new(self, tolerances, Unobserved).find_nearby_features(margin);
+        Some(NearbyFeatures {
             blocks: [place(self.a), place(self.b)],
             margin,
             tolerances: approximately(tolerances),
@@ -113,7 +113,7 @@ impl Pair<'_> {
 
     /// As [`Pair::classify_keeping`]: only the pairs of features `nearby` are looked at if the blocks are proved to be near where these were found, and all if
     /// not. The contacts are the same.
-    pub fn classify_nearby(&self, tolerances: &ToleranceSet, nearby: &NearbyPairs, kept: &[ContactKey]) -> Answer {
+    pub fn classify_nearby(&self, tolerances: &ToleranceSet, nearby: &NearbyFeatures, kept: &[ContactKey]) -> Answer {
         if !nearby.cover(self, tolerances) {
             return self.classify_keeping(tolerances, kept);
         }

@@ -82,7 +82,7 @@ fn compare(margin: f64, found_for: f64) -> Seen {
         let tolerances = tolerances(&mut dice);
         let solids = blocks.each_ref().map(PreparedBlock::new);
         let pair = Pair::new(&solids[0], &solids[1]);
-        let mut nearby = pair.nearby_pairs(&tolerances, found_for).expect("a margin");
+        let mut nearby = pair.nearby_features(&tolerances, found_for).expect("a margin");
         nearby.margin = margin;
         seen.nearby += nearby.len();
         let before = pair.classify(&tolerances).contacts;
@@ -139,7 +139,7 @@ fn who_is_not_near_is_not_covered() {
     let solids = blocks.each_ref().map(PreparedBlock::new);
     let pair = Pair::new(&solids[0], &solids[1]);
     let margin = 1.0 / 64.0;
-    let nearby = pair.nearby_pairs(&tolerances, margin).expect("a margin");
+    let nearby = pair.nearby_features(&tolerances, margin).expect("a margin");
     assert!(nearby.cover(&pair, &tolerances) && !nearby.is_empty());
     let wider = ToleranceSet { search: Number::from_integer(1), ..tolerances.clone() };
     assert!(!nearby.cover(&pair, &wider));
@@ -163,6 +163,6 @@ fn who_is_not_near_is_not_covered() {
     let solids = blocks.each_ref().map(|block| PreparedBlock::new(&moved(&mut dice, block, 0.0, common)));
     assert!(nearby.cover(&Pair::new(&solids[0], &solids[1]), &tolerances));
     for margin in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(pair.nearby_pairs(&tolerances, margin).is_none());
+        assert!(pair.nearby_features(&tolerances, margin).is_none());
     }
 }

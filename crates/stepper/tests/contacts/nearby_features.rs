@@ -3,7 +3,7 @@
 use crate::golden_contacts::{self, GoldenPair};
 use crate::pairs;
 use rockproof_model::{ContactKey, ToleranceSet};
-use rockproof_stepper::contact::{ClassificationRequest, ContactRules, NearbyPairs, SpecRules};
+use rockproof_stepper::contact::{ClassificationRequest, ContactRules, NearbyFeatures, SpecRules};
 use rockproof_stepper::{PreparedBlock, Real, Tolerances, Vector, Wide};
 
 /// The same numbers on every machine.
@@ -72,7 +72,7 @@ fn look<R: Real>(pair: &GoldenPair, share: f64, farther: f64, forget_kept: bool,
     kept.retain(|_| random.next() > -0.5);
     let margin = t.search.to_f64() * share;
     let known: &[ContactKey] = if forget_kept { &[] } else { &kept };
-    let Some(nearby) = NearbyPairs::of(ClassificationRequest { kept: known, ..request(&t) }, margin) else { return };
+    let Some(nearby) = NearbyFeatures::of(ClassificationRequest { kept: known, ..request(&t) }, margin) else { return };
     seen.found += 1;
     for place in 0..4 {
         let by = if place == 0 { 0.0 } else { margin * farther };

@@ -9,17 +9,17 @@ use rockproof_model::ContactKey;
 
 /// What the last step left as it was. Empty lists where nothing is known.
 #[derive(Clone, Debug)]
-pub(super) struct Still<R> {
+pub(super) struct Unchanged<R> {
     /// Whether the vertices of each block are where they were.
     pub(super) unmoved: Vec<bool>,
     /// Pairs of unmoved blocks of which the last classification kept other contacts than the next one will, ascending.
     pub(super) kept_others: Vec<[u32; 2]>,
-    pub(super) islands: Option<StillIslands<R>>,
+    pub(super) islands: Option<UnchangedIslands<R>>,
 }
 
 /// Islands that a step gave back as they were.
 #[derive(Clone, Debug)]
-pub(super) struct StillIslands<R> {
+pub(super) struct UnchangedIslands<R> {
     /// The Δt at which they were solved (s).
     pub(super) time_step: R,
     pub(super) settling: bool,
@@ -29,9 +29,9 @@ pub(super) struct StillIslands<R> {
     pub(super) d: Vec<BlockVector<R>>,
 }
 
-impl<R: Real> Still<R> {
+impl<R: Real> Unchanged<R> {
     /// Nothing is known.
-    pub(super) const NONE: Self = Still { unmoved: Vec::new(), kept_others: Vec::new(), islands: None };
+    pub(super) const NONE: Self = Unchanged { unmoved: Vec::new(), kept_others: Vec::new(), islands: None };
 
     /// Whether classification of a pair would find what it found in the last step.
     pub(super) fn has(&self, pair: [u32; 2]) -> bool {
@@ -40,7 +40,7 @@ impl<R: Real> Still<R> {
     }
 }
 
-impl<R: Real> StillIslands<R> {
+impl<R: Real> UnchangedIslands<R> {
     /// Whether an island is one of them.
     pub(super) fn has(&self, island: &Island) -> bool {
         island.couplings.blocks.iter().all(|&block| self.blocks[block as usize])

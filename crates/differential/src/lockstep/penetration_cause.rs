@@ -17,7 +17,7 @@ pub fn penetration(scene: &ExactScene, state: &State) -> Option<f64> {
 
 /// What made the penetration after the stepper's step another one than after the oracle's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effect {
+pub enum PenetrationCause {
     /// No more than rounding makes of equal decisions.
     None,
     /// Contacts that the stepper classified wrongly.
@@ -28,14 +28,14 @@ pub enum Effect {
     Arithmetic,
 }
 
-impl Effect {
+impl PenetrationCause {
     /// The name in tables: `none`, `classification`, `iteration`, `arithmetic`.
     pub fn name(self) -> &'static str {
         match self {
-            Effect::None => "none",
-            Effect::Classification => "classification",
-            Effect::Iteration => "iteration",
-            Effect::Arithmetic => "arithmetic",
+            PenetrationCause::None => "none",
+            PenetrationCause::Classification => "classification",
+            PenetrationCause::Iteration => "iteration",
+            PenetrationCause::Arithmetic => "arithmetic",
         }
     }
 }
@@ -59,18 +59,20 @@ impl StepPenetrations {
 
     /// The largest of the three parts of the change from the oracle's to the stepper's penetration; of equal ones the first of
     /// classification, iteration, arithmetic. None, when the change is below [`StepPenetrations::NOTHING`].
-    pub fn effect(&self) -> Effect {
+    pub fn effect(&self) -> PenetrationCause {
         let change = self.stepper - self.oracle;
         if change.abs() <= StepPenetrations::NOTHING * self.stepper.max(self.oracle) {
-            return Effect::None;
+            return PenetrationCause::None;
         }
         let parts = [
-            (Effect::Classification, self.stepper - self.contacts),
-            (Effect::Iteration, self.contacts - self.modes),
-            (Effect::Arithmetic, self.modes - self.oracle),
+            (PenetrationCause::Classification, self.stepper - self.contacts),
+            (PenetrationCause::Iteration, self.contacts - self.modes),
+            (PenetrationCause::Arithmetic, self.modes - self.oracle),
         ];
-        let larger = |best: (Effect, f64), next: (Effect, f64)| if next.1.abs() > best.1.abs() { next } else { best };
-        parts.into_iter().reduce(larger).map_or(Effect::None, |(effect, _)| effect)
+        let larger = |best: (PenetrationCause, f64), next: (PenetrationCause, f64)| {
+            if next.1.abs() > best.1.abs() { next } else { best }
+        };
+        parts.into_iter().reduce(larger).map_or(PenetrationCause::None, |(effect, _)| effect)
     }
 }
 
@@ -81,11 +83,11 @@ mod tests {
     #[test]
     fn the_largest_part_names_the_effect() {
         let depths = |stepper, contacts, modes, oracle| StepPenetrations { stepper, contacts, modes, oracle }.effect();
-        assert_eq!(depths(3.0, 1.0, 1.0, 1.0), Effect::Classification);
-        assert_eq!(depths(3.0, 3.0, 1.0, 1.0), Effect::Iteration);
-        assert_eq!(depths(3.0, 3.0, 3.0, 1.0), Effect::Arithmetic);
-        assert_eq!(depths(0.0, 0.0, 0.0, 0.0), Effect::None);
-        assert_eq!(depths(1.0, 0.5, 1.0, 1.0 + 1e-9), Effect::None, "what cancels did nothing");
-        assert_eq!(depths(0.0, 1.0, 1.0, 1.0), Effect::Classification, "less deep is an effect too");
+        assert_eq!(depths(3.0, 1.0, 1.0, 1.0), PenetrationCause::Classification);
+        assert_eq!(depths(3.0, 3.0, 1.0, 1.0), PenetrationCause::Iteration);
+        assert_eq!(depths(3.0, 3.0, 3.0, 1.0), PenetrationCause::Arithmetic);
+        assert_eq!(depths(0.0, 0.0, 0.0, 0.0), PenetrationCause::None);
+        assert_eq!(depths(1.0, 0.5, 1.0, 1.0 + 1e-9), PenetrationCause::None, "what cancels did nothing");
+        assert_eq!(depths(0.0, 1.0, 1.0, 1.0), PenetrationCause::Classification, "less deep is an effect too");
     }
 }

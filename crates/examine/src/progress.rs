@@ -41,12 +41,12 @@ pub struct StageProgress {
 
 /// How far the work is, counted while it goes on.
 #[derive(Debug, Default)]
-pub struct Seen {
+pub struct WorkProgress {
     stage: Mutex<Option<(Stage, u64)>>,
     done: AtomicU64,
 }
 
-impl Seen {
+impl WorkProgress {
     /// What is being done; nothing before the first part begins.
     pub fn now(&self) -> Option<StageProgress> {
         let stage = self.stage.lock().unwrap_or_else(|poisoned| poisoned.into_inner());

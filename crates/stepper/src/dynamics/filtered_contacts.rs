@@ -16,7 +16,7 @@ pub type BlockContacts = Vec<([u32; 2], Contact)>;
 impl<M: StepRules> Dynamics<Wide, M> {
     /// The contacts that the next step finds in 512 bits by these tolerances, which are the scene's, and the number of comparisons that these leave
     /// unsettled in finding them. `None` where the state is not one of f64, as a step in 512 bits leaves it, or where there is too much to note.
-    pub fn foreseen_contacts(&mut self, set: &ToleranceSet) -> Option<(BlockContacts, u64)> {
+    pub fn filtered_contacts(&mut self, set: &ToleranceSet) -> Option<(BlockContacts, u64)> {
         let is_f64 = |v: &Vector<Wide>| v.components().into_iter().all(Wide::is_f64);
         if !self.state.blocks.iter().flat_map(|block| &block.vertices).all(is_f64) {
             return None;

@@ -16,7 +16,7 @@ const MOST: usize = 3;
 /// A passage or an unseen overlap of a run, and where its step began.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct KeptIntrusion {
+pub struct WorstIntrusion {
     /// `passage` or `unseen`.
     pub change: String,
     /// The blocks, the lower number first.
@@ -29,9 +29,9 @@ pub struct KeptIntrusion {
     pub state: SavedState,
 }
 
-impl KeptIntrusion {
+impl WorstIntrusion {
     /// The deeper first; of equal ones the earlier.
-    fn cmp(&self, other: &KeptIntrusion) -> Ordering {
+    fn cmp(&self, other: &WorstIntrusion) -> Ordering {
         let deeper = other.depth_m.0.total_cmp(&self.depth_m.0);
         deeper.then(self.step.cmp(&other.step)).then(self.blocks.cmp(&other.blocks))
     }
@@ -39,32 +39,32 @@ impl KeptIntrusion {
 
 /// The worst of a run so far, one for each sort and pair of blocks, by sort and then by depth.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct KeptIntrusions(Vec<KeptIntrusion>);
+pub struct WorstIntrusions(Vec<WorstIntrusion>);
 
-impl KeptIntrusions {
+impl WorstIntrusions {
     /// Those of the run that is gone on with.
-    pub fn new(kept: Vec<KeptIntrusion>) -> KeptIntrusions {
-        KeptIntrusions(kept)
+    pub fn new(kept: Vec<WorstIntrusion>) -> WorstIntrusions {
+        WorstIntrusions(kept)
     }
 
     /// All of them.
-    pub fn all(&self) -> &[KeptIntrusion] {
+    pub fn all(&self) -> &[WorstIntrusion] {
         &self.0
     }
 
     /// Whether one of a sort would be kept.
     pub fn wants(&self, change: &str, pair: PairDepth) -> bool {
         let mut of_sort = self.0.iter().filter(|one| one.change == change);
-        let is_deeper = |one: &KeptIntrusion| pair.depth_m > one.depth_m.0;
+        let is_deeper = |one: &WorstIntrusion| pair.depth_m > one.depth_m.0;
         match of_sort.clone().find(|one| one.blocks == pair.blocks) {
             Some(known) => is_deeper(known),
             None => of_sort.clone().count() < MOST || of_sort.any(is_deeper),
         }
     }
 
-    /// Keeps one that is wanted ([`KeptIntrusions::wants`]), in place of another of its pair or of the least deep of its sort.
-    pub fn keep(&mut self, intrusion: KeptIntrusion) {
-        let is_other = |one: &KeptIntrusion| one.change != intrusion.change;
+    /// Keeps one that is wanted ([`WorstIntrusions::wants`]), in place of another of its pair or of the least deep of its sort.
+    pub fn keep(&mut self, intrusion: WorstIntrusion) {
+        let is_other = |one: &WorstIntrusion| one.change != intrusion.change;
         self.0.retain(|one| is_other(one) || one.blocks != intrusion.blocks);
         self.0.push(intrusion);
         self.0.sort_by(|one, other| one.change.cmp(&other.change).then_with(|| one.cmp(other)));
@@ -86,7 +86,7 @@ pub struct IntrusionRow {
     pub block_a: usize,
     /// The other block.
     pub block_b: usize,
-    /// How deep (m), as [`KeptIntrusion`] has it.
+    /// How deep (m), as [`WorstIntrusion`] has it.
     pub depth_m: f64,
     /// Why; empty where that could not be found.
     pub cause: String,
@@ -122,15 +122,15 @@ impl IntrusionRow {
 mod tests {
     use super::*;
 
-    fn intrusion(change: &str, blocks: [usize; 2], depth_m: f64, step: i64) -> Option<KeptIntrusion> {
+    fn intrusion(change: &str, blocks: [usize; 2], depth_m: f64, step: i64) -> Option<WorstIntrusion> {
         let state = r#"{"step":0,"time":"0","settling":0,"last_time_step":"1","blocks":[],"load_points":[],"fixed_points":[],"measured_points":[],"contacts":[]}"#;
         let state = serde_json::from_str(&state.replace("\"0\"", "0.0").replace("\"1\"", "1.0")).ok()?;
-        Some(KeptIntrusion { change: change.to_owned(), blocks, depth_m: ExactFloat(depth_m), step, state })
+        Some(WorstIntrusion { change: change.to_owned(), blocks, depth_m: ExactFloat(depth_m), step, state })
     }
 
     #[test]
     fn the_deepest_of_each_pair_and_three_of_each_sort_are_kept() {
-        let mut kept = KeptIntrusions::default();
+        let mut kept = WorstIntrusions::default();
         let found = [
             ("unseen", [0, 1], 0.5, 1),
             ("passage", [0, 1], 0.1, 1),

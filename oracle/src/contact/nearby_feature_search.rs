@@ -4,7 +4,7 @@
 //! left out if one of the tests of SPEC section 4 is certain to refuse it; what is not certain stays.
 
 use super::entrance::Planes;
-use super::nearby::NearbyPair;
+use super::nearby_features::NearbyPair;
 use super::vertex_face::inward_of;
 use crate::classification::{Classification, Observer};
 use crate::number::{Ball, INFLATION, UNDERFLOW, UNIT_ROUNDOFF};
@@ -21,7 +21,7 @@ use std::cell::OnceCell;
 
 impl<O: Observer> Classification<'_, '_, O> {
     /// The pairs of features that can be in a contact while every coordinate is within `margin` of where it is now, and what is rounded besides.
-    pub(super) fn find_nearby_pairs(&mut self, margin: f64) -> Vec<NearbyPair> {
+    pub(super) fn find_nearby_features(&mut self, margin: f64) -> Vec<NearbyPair> {
         let (a, b) = (self.pair.a, self.pair.b);
         let off = 2.0 * (a.errors.coordinate + b.errors.coordinate);
         let radius = (margin + off) * (1.0 + 1e-9);

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The findings of one external engine, counted by what they say about it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Own {
+pub struct EngineFindings {
     /// All of them.
     pub findings: u64,
     /// Wrong contacts or states more than [`FAR`] roundoffs from every tie around them, and contacts with a block far away.
@@ -24,7 +24,7 @@ pub struct Own {
     pub unsupported: u64,
 }
 
-impl Own {
+impl EngineFindings {
     pub(super) fn add(&mut self, row: &FindingRow) {
         self.findings += 1;
         match row.change {
@@ -88,7 +88,7 @@ pub(super) fn external(campaign: &CampaignRun) -> BTreeSet<String> {
 
 /// A line for each external engine, the worst first.
 pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<VerdictLine> {
-    let mut found: Vec<(Own, VerdictLine)> = Vec::new();
+    let mut found: Vec<(EngineFindings, VerdictLine)> = Vec::new();
     for campaign in campaigns {
         for engine in external(campaign) {
             let own = campaign.tally.own.get(&engine).copied().unwrap_or_default();
@@ -105,10 +105,10 @@ pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<VerdictLine> {
 }
 
 /// Counts of findings by external engine.
-pub type Owns = BTreeMap<String, Own>;
+pub type AllEngineFindings = BTreeMap<String, EngineFindings>;
 
 /// Adds a row of `findings.csv` to the engine it is about, if that is an external one.
-pub(super) fn count(owns: &mut Owns, row: &FindingRow) {
+pub(super) fn count(owns: &mut AllEngineFindings, row: &FindingRow) {
     if row.cause == Cause::Engine {
         owns.entry(row.engine.to_string()).or_default().add(row);
     }
@@ -119,8 +119,8 @@ mod tests {
     use super::*;
     use rockproof_differential::finding::FindingScope;
 
-    fn own(changes: &[(AnswerChange, Option<f64>)]) -> Own {
-        let mut own = Own::default();
+    fn own(changes: &[(AnswerChange, Option<f64>)]) -> EngineFindings {
+        let mut own = EngineFindings::default();
         for (change, margin_ulps) in changes {
             own.add(&FindingRow {
                 index: 0,

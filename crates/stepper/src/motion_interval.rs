@@ -1,6 +1,6 @@
 //! A scalar that stands for every value which a float may come to while the points it is worked out of stay near where they are.
 //!
-//! Code over [`Real`] that runs in [`Nearby`] makes the operations that it makes in f32 or f64, in the same order; so each result holds what either
+//! Code over [`Real`] that runs in [`MotionInterval`] makes the operations that it makes in f32 or f64, in the same order; so each result holds what either
 //! float comes to, wherever the coordinates that it began with stand in their range: the ranges allow for the roundings of f32, far more than f64 makes.
 //! A comparison answers whether it is *possible*, within [`certainly`] whether it is certain; [`is_open`] tells whether a choice was open that is neither.
 
@@ -65,39 +65,39 @@ pub(crate) fn leave_open() {
 
 /// Any number within `radius` of `middle`. A radius that is infinite says nothing.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Nearby {
+pub(crate) struct MotionInterval {
     middle: f64,
     radius: f64,
 }
 
-impl Nearby {
-    const UNKNOWN: Nearby = Nearby { middle: 0.0, radius: f64::INFINITY };
+impl MotionInterval {
+    const UNKNOWN: MotionInterval = MotionInterval { middle: 0.0, radius: f64::INFINITY };
 
     /// This very number.
-    pub(crate) fn exact(middle: f64) -> Nearby {
-        Nearby::within(middle, 0.0)
+    pub(crate) fn exact(middle: f64) -> MotionInterval {
+        MotionInterval::within(middle, 0.0)
     }
 
     /// Any number within `radius` of `middle`.
-    pub(crate) fn within(middle: f64, radius: f64) -> Nearby {
-        if middle.abs() + radius < MOST { Nearby { middle, radius } } else { Nearby::UNKNOWN }
+    pub(crate) fn within(middle: f64, radius: f64) -> MotionInterval {
+        if middle.abs() + radius < MOST { MotionInterval { middle, radius } } else { MotionInterval::UNKNOWN }
     }
 
     /// What a rounded operation gives whose exact result is within `error` of the middle.
     #[inline]
-    fn rounded(middle: f64, error: f64) -> Nearby {
-        Nearby { middle, radius: error + (error + middle.abs()) * ROUNDING + UNDERFLOW }
+    fn rounded(middle: f64, error: f64) -> MotionInterval {
+        MotionInterval { middle, radius: error + (error + middle.abs()) * ROUNDING + UNDERFLOW }
     }
 
     /// Certainly less, or possibly if that is asked.
     #[inline]
-    fn may_be_less(self, other: Nearby) -> bool {
+    fn may_be_less(self, other: MotionInterval) -> bool {
         if CERTAINLY.get() { self.is_less(other) } else { !other.is_less(self) }
     }
 
     /// Certainly less.
     #[inline]
-    fn is_less(self, other: Nearby) -> bool {
+    fn is_less(self, other: MotionInterval) -> bool {
         // The middles' difference is rounded, as are the sums of radii; both by far less than the allowance in every radius that is not zero.
         let apart = other.middle - self.middle;
         apart > (self.radius + other.radius) * (1.0 + ROUNDING) + apart.abs() * (ROUNDING * ROUNDING)
@@ -112,21 +112,21 @@ impl Nearby {
         [self.middle - self.radius, self.middle + self.radius]
     }
 
-    fn between(low: f64, high: f64) -> Nearby {
+    fn between(low: f64, high: f64) -> MotionInterval {
         let middle = low / 2.0 + high / 2.0;
-        Nearby::rounded(middle, high / 2.0 - low / 2.0)
+        MotionInterval::rounded(middle, high / 2.0 - low / 2.0)
     }
 }
 
 /// Comparisons say what is possible: a number may be both less and greater than another, or neither than itself.
-impl PartialEq for Nearby {
-    fn eq(&self, other: &Nearby) -> bool {
+impl PartialEq for MotionInterval {
+    fn eq(&self, other: &MotionInterval) -> bool {
         self.partial_cmp(other) == Some(Ordering::Equal)
     }
 }
 
-impl PartialOrd for Nearby {
-    fn partial_cmp(&self, other: &Nearby) -> Option<Ordering> {
+impl PartialOrd for MotionInterval {
+    fn partial_cmp(&self, other: &MotionInterval) -> Option<Ordering> {
         if self.is_less(*other) {
             Some(Ordering::Less)
         } else if other.is_less(*self) {
@@ -136,80 +136,83 @@ impl PartialOrd for Nearby {
         }
     }
     #[inline]
-    fn lt(&self, other: &Nearby) -> bool {
+    fn lt(&self, other: &MotionInterval) -> bool {
         self.may_be_less(*other)
     }
     #[inline]
-    fn le(&self, other: &Nearby) -> bool {
+    fn le(&self, other: &MotionInterval) -> bool {
         self.may_be_less(*other)
     }
     #[inline]
-    fn gt(&self, other: &Nearby) -> bool {
+    fn gt(&self, other: &MotionInterval) -> bool {
         other.may_be_less(*self)
     }
     #[inline]
-    fn ge(&self, other: &Nearby) -> bool {
+    fn ge(&self, other: &MotionInterval) -> bool {
         other.may_be_less(*self)
     }
 }
 
-impl Neg for Nearby {
-    type Output = Nearby;
+impl Neg for MotionInterval {
+    type Output = MotionInterval;
     #[inline]
-    fn neg(self) -> Nearby {
-        Nearby { middle: -self.middle, ..self }
+    fn neg(self) -> MotionInterval {
+        MotionInterval { middle: -self.middle, ..self }
     }
 }
 
-impl Add for Nearby {
-    type Output = Nearby;
+impl Add for MotionInterval {
+    type Output = MotionInterval;
     #[inline]
-    fn add(self, other: Nearby) -> Nearby {
-        Nearby::rounded(self.middle + other.middle, self.radius + other.radius)
+    fn add(self, other: MotionInterval) -> MotionInterval {
+        MotionInterval::rounded(self.middle + other.middle, self.radius + other.radius)
     }
 }
 
-impl Sub for Nearby {
-    type Output = Nearby;
+impl Sub for MotionInterval {
+    type Output = MotionInterval;
     #[inline]
-    fn sub(self, other: Nearby) -> Nearby {
+    fn sub(self, other: MotionInterval) -> MotionInterval {
         self + -other
     }
 }
 
-impl Mul for Nearby {
-    type Output = Nearby;
+impl Mul for MotionInterval {
+    type Output = MotionInterval;
     #[inline]
-    fn mul(self, other: Nearby) -> Nearby {
+    fn mul(self, other: MotionInterval) -> MotionInterval {
         let (one, two) = (self.middle.abs(), other.middle.abs());
-        Nearby::rounded(self.middle * other.middle, one * other.radius + two * self.radius + self.radius * other.radius)
+        MotionInterval::rounded(
+            self.middle * other.middle,
+            one * other.radius + two * self.radius + self.radius * other.radius,
+        )
     }
 }
 
-impl Div for Nearby {
-    type Output = Nearby;
+impl Div for MotionInterval {
+    type Output = MotionInterval;
     #[inline]
-    fn div(self, other: Nearby) -> Nearby {
+    fn div(self, other: MotionInterval) -> MotionInterval {
         let least = other.middle.abs() - other.radius;
         // As good as zero: the bounds below would be lost to underflow.
         if least.is_nan() || least < UNDERFLOW * 4.0 {
-            return Nearby::UNKNOWN;
+            return MotionInterval::UNKNOWN;
         }
         let quotient = self.middle / other.middle;
         // |x/y − a/b| ≤ (|x − a| + |a/b|·|y − b|) / |y|.
-        let found = Nearby::rounded(quotient, (self.radius + quotient.abs() * other.radius) / least);
-        Nearby::within(found.middle, found.radius)
+        let found = MotionInterval::rounded(quotient, (self.radius + quotient.abs() * other.radius) / least);
+        MotionInterval::within(found.middle, found.radius)
     }
 }
 
-impl Real for Nearby {
-    const ZERO: Self = Nearby { middle: 0.0, radius: 0.0 };
+impl Real for MotionInterval {
+    const ZERO: Self = MotionInterval { middle: 0.0, radius: 0.0 };
 
     fn from_f64(value: f64) -> Self {
-        Nearby::rounded(value, 0.0)
+        MotionInterval::rounded(value, 0.0)
     }
     fn from_number(number: &Number) -> Option<Self> {
-        Some(Nearby::rounded(number.approximate(), 0.0))
+        Some(MotionInterval::rounded(number.approximate(), 0.0))
     }
     fn to_number(self) -> Option<Number> {
         Number::from_f64(self.middle).ok()
@@ -221,13 +224,13 @@ impl Real for Nearby {
     fn sqrt(self) -> Self {
         let [low, high] = self.bounds();
         if !self.radius.is_finite() {
-            Nearby::UNKNOWN
+            MotionInterval::UNKNOWN
         } else if low > 0.0 {
             let root = self.middle.sqrt();
             // |√x − √a| = |x − a| / (√x + √a).
-            Nearby::rounded(root, self.radius / (root + low.sqrt()))
+            MotionInterval::rounded(root, self.radius / (root + low.sqrt()))
         } else {
-            Nearby::between(0.0, high.max(0.0).sqrt())
+            MotionInterval::between(0.0, high.max(0.0).sqrt())
         }
     }
     fn abs(self) -> Self {
@@ -237,7 +240,7 @@ impl Real for Nearby {
         } else if high <= 0.0 {
             -self
         } else {
-            Nearby::between(0.0, high.max(-low))
+            MotionInterval::between(0.0, high.max(-low))
         }
     }
     fn smaller(self, other: Self) -> Self {
@@ -248,10 +251,10 @@ impl Real for Nearby {
             return other;
         }
         if !(self.radius.is_finite() && other.radius.is_finite()) {
-            return Nearby::UNKNOWN;
+            return MotionInterval::UNKNOWN;
         }
         let ([low, high], [least, most]) = (self.bounds(), other.bounds());
-        Nearby::between(low.min(least), high.min(most))
+        MotionInterval::between(low.min(least), high.min(most))
     }
     fn larger(self, other: Self) -> Self {
         -(-self).smaller(-other)
@@ -280,7 +283,7 @@ impl Real for Nearby {
 }
 
 /// Where it stands for points that are given, a block is prepared by [`PreparedBlock::with_points`]; and which contacts there are is not to be told.
-impl CompiledContacts for Nearby {
+impl CompiledContacts for MotionInterval {
     fn prepare(_: &Block) -> Result<PreparedBlock<Self>, Collapsed> {
         Err(Collapsed { what: CollapsedPart::Vertex(VertexId(0)) })
     }

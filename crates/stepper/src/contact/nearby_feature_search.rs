@@ -1,29 +1,29 @@
-//! Finds the pairs of features of two blocks that can be in a contact ([`NearbyPairs`]).
+//! Finds the pairs of features of two blocks that can be in a contact ([`NearbyFeatures`]).
 
 use crate::contact::broad::{Bounds, reach_of_kept};
 use crate::contact::classify::ClassificationRequest;
 use crate::contact::entrance::{Candidate, KnownPlane, Plane};
-use crate::contact::nearby_pairs::{NearbyPair, NearbyPairs, Planes};
+use crate::contact::nearby_features::{NearbyFeatures, NearbyPair, Planes};
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::{PreparedBlock, Vertex};
 use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::Unobserved;
-use crate::nearby::{Nearby, certainly, is_open, leave_open, possibly, the_other_way};
+use crate::motion_interval::{MotionInterval, certainly, is_open, leave_open, possibly, the_other_way};
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::decision::Side;
 use rockproof_model::{Block, ContactKey, ContactKind, EdgeId, FaceId, VertexId};
 use std::marker::PhantomData;
 
-impl NearbyPairs {
+impl NearbyFeatures {
     /// The pairs of features of which there can be contacts while no coordinate of a vertex of either block is farther than `margin` (m) from where it is now, and
     /// nothing else is kept than what is now, or was found meanwhile. None where that is not known: of blocks that are not convex, and of such as are
     /// so thin that the margin matters.
     ///
     /// # Panics
     /// When a kept contact names a feature that its block does not have.
-    pub fn of<R: Real>(request: ClassificationRequest<'_, R>, margin: f64) -> Option<NearbyPairs> {
+    pub fn of<R: Real>(request: ClassificationRequest<'_, R>, margin: f64) -> Option<NearbyFeatures> {
         let ClassificationRequest { a, b, tolerances, kept, .. } = request;
         let blocks = [a, b].map(PreparedBlock::block);
         let is_small = |n: usize| n <= usize::from(u16::MAX);
@@ -35,7 +35,7 @@ impl NearbyPairs {
             let at = |v: &Vertex<R>| v.at.components().map(R::to_f64);
             solid.vertices().iter().map(at).collect::<Vec<_>>()
         });
-        let near = |length: R| Nearby::exact(length.to_f64());
+        let near = |length: R| MotionInterval::exact(length.to_f64());
         let tolerances = Tolerances {
             search: near(tolerances.search),
             territory: near(tolerances.territory),
@@ -55,17 +55,17 @@ impl NearbyPairs {
 /// Two blocks, the vertices of which may be anywhere within a margin.
 struct Search<'s> {
     points: &'s [Vec<[f64; 3]>; 2],
-    solids: [PreparedBlock<Nearby>; 2],
+    solids: [PreparedBlock<MotionInterval>; 2],
 }
 
 impl<'s> Search<'s> {
     fn new(blocks: [&Block; 2], points: &'s [Vec<[f64; 3]>; 2], margin: f64) -> Option<Search<'s>> {
         let solid = |side: Side| {
             let near = |at: &[f64; 3]| {
-                let [x, y, z] = at.map(|x| Nearby::within(x, margin));
+                let [x, y, z] = at.map(|x| MotionInterval::within(x, margin));
                 Vector::new(x, y, z)
             };
-            let points: Vec<Vector<Nearby>> = points[side as usize].iter().map(near).collect();
+            let points: Vec<Vector<MotionInterval>> = points[side as usize].iter().map(near).collect();
             let (solid, open) = is_open(|| {
                 let solid = PreparedBlock::unprepared(blocks[side as usize].clone()).with_points(&points).ok()?;
                 let faces = || solid.block().topology().face_ids();
@@ -77,7 +77,7 @@ impl<'s> Search<'s> {
         Some(Search { points, solids: [solid(Side::A)?, solid(Side::B)?] })
     }
 
-    fn pairs(&self, t: &Tolerances<Nearby>, kept: &[ContactKey], reach: f64) -> Option<NearbyPairs> {
+    fn pairs(&self, t: &Tolerances<MotionInterval>, kept: &[ContactKey], reach: f64) -> Option<NearbyFeatures> {
         let [a, b] = &self.solids;
         let bounds = [Side::A, Side::B].map(|side| {
             let points = &self.points[side as usize];
@@ -148,7 +148,7 @@ impl<'s> Search<'s> {
                 }
             }
         }
-        Some(NearbyPairs { pairs: found.into_boxed_slice() })
+        Some(NearbyFeatures { pairs: found.into_boxed_slice() })
     }
 }
 
@@ -161,7 +161,7 @@ fn around(one: Bounds<f64>, other: Bounds<f64>) -> Bounds<f64> {
     Bounds { low: one.low.smaller(other.low), high: one.high.larger(other.high) }
 }
 
-type NearbyPairOfBlocks<'p> = Pair<'p, Nearby, NearbyRules, Unobserved>;
+type NearbyPairOfBlocks<'p> = Pair<'p, MotionInterval, NearbyRules, Unobserved>;
 
 /// What a test says wherever the vertices are, if that is one thing.
 fn verdict(mut test: impl FnMut() -> bool) -> Option<bool> {
@@ -245,7 +245,7 @@ impl NearbyPairOfBlocks<'_> {
     }
 
     /// With what is known of the one plane.
-    fn with_exit(&mut self, planes: Planes, plane: Candidate<Nearby>) -> Planes {
+    fn with_exit(&mut self, planes: Planes, plane: Candidate<MotionInterval>) -> Planes {
         if planes.possible == 0 {
             return planes;
         }
@@ -254,7 +254,7 @@ impl NearbyPairOfBlocks<'_> {
         with
     }
 
-    fn known_exit(&mut self, plane: Candidate<Nearby>) -> Option<bool> {
+    fn known_exit(&mut self, plane: Candidate<MotionInterval>) -> Option<bool> {
         verdict(|| self.is_true_exit(plane))
     }
 
@@ -282,7 +282,7 @@ fn unless(test: impl FnOnce() -> bool) -> bool {
     the_other_way(test)
 }
 
-/// The rules of SPEC in [`Nearby`]. A test that lets a contact pass is possible, or certain, if all its comparisons are: but for these, which take
+/// The rules of SPEC in [`MotionInterval`]. A test that lets a contact pass is possible, or certain, if all its comparisons are: but for these, which take
 /// contacts away or decide neither way.
 struct NearbyRules;
 

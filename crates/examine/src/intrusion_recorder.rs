@@ -7,18 +7,18 @@ use rockproof_model::{Block, Precision, Scene, ToleranceSet};
 use rockproof_simulate::checkpoint::SavedState;
 use rockproof_simulate::exact_float::ExactFloat;
 use rockproof_simulate::run::StepAnnotations;
-use rockproof_simulate::{AuditScope, IntrusionRow, KeptIntrusion, KeptIntrusions, PairDepth, StepAudit, Stepping};
+use rockproof_simulate::{AuditScope, IntrusionRow, PairDepth, StepAudit, Stepping, WorstIntrusion, WorstIntrusions};
 use rockproof_stepper::dynamics::{Solve, State, StepError, StepReport};
 
 /// An audited run that keeps the worst of what it finds, each with the state before its step: passages, and overlaps in the step after which no contact
 /// sees them first.
-pub struct WorstKept<R> {
+pub struct IntrusionRecorder<R> {
     stepping: Box<dyn Stepping<R>>,
     shapes: Vec<Block>,
     set: ToleranceSet,
     precision: Precision,
     scope: AuditScope,
-    kept: KeptIntrusions,
+    kept: WorstIntrusions,
     /// The pairs that no contact saw after the last step; `None` before the first.
     unseen: Option<Vec<PairDepth>>,
     /// Whether the last step changed what is kept.
@@ -26,18 +26,18 @@ pub struct WorstKept<R> {
     audit: Option<StepAudit>,
 }
 
-impl<R: Solve> WorstKept<R> {
+impl<R: Solve> IntrusionRecorder<R> {
     /// The same run; `kept` are those of the run that it goes on with.
     pub fn new(
         stepping: Box<dyn Stepping<R>>,
         scene: &Scene,
         set: &ToleranceSet,
         (precision, scope): (Precision, AuditScope),
-        kept: &[KeptIntrusion],
-    ) -> WorstKept<R> {
+        kept: &[WorstIntrusion],
+    ) -> IntrusionRecorder<R> {
         let shapes = scene.blocks.iter().map(|block| block.block.clone()).collect();
-        let kept = KeptIntrusions::new(kept.to_vec());
-        WorstKept {
+        let kept = WorstIntrusions::new(kept.to_vec());
+        IntrusionRecorder {
             stepping,
             shapes,
             set: set.clone(),
@@ -58,14 +58,14 @@ impl<R: Solve> WorstKept<R> {
             if self.kept.wants(kind.name(), pair) && is_new() {
                 let PairDepth { blocks, depth_m } = pair;
                 let (change, depth_m, state) = (kind.name().to_owned(), ExactFloat(depth_m), SavedState::of(before));
-                self.kept.keep(KeptIntrusion { change, blocks, depth_m, step, state });
+                self.kept.keep(WorstIntrusion { change, blocks, depth_m, step, state });
                 self.is_changed = true;
             }
         }
     }
 }
 
-impl<R: Solve> WorstKept<R> {
+impl<R: Solve> IntrusionRecorder<R> {
     /// Whether no contact saw the overlap of a pair before the step either.
     fn was_unseen(&self, before: &State<R>, pair: PairDepth) -> bool {
         let about = (&self.set, self.precision, self.scope);
@@ -74,7 +74,7 @@ impl<R: Solve> WorstKept<R> {
     }
 }
 
-impl<R: Solve> Stepping<R> for WorstKept<R> {
+impl<R: Solve> Stepping<R> for IntrusionRecorder<R> {
     fn step(&mut self) -> Result<StepReport, StepError> {
         let before = self.stepping.state().clone();
         self.is_changed = false;
@@ -118,7 +118,7 @@ pub struct IntrusionCases {
 impl IntrusionCases {
     /// Finds cases and causes of what a run in the scalar R kept.
     pub fn of<R: Solve>(
-        kept: &[KeptIntrusion],
+        kept: &[WorstIntrusion],
         scene: &Scene,
         set: &ToleranceSet,
         precision: Precision,

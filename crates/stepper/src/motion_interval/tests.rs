@@ -11,7 +11,7 @@ impl Random {
     }
 
     /// A range of any size about any middle, and an f32 in it.
-    fn range(&mut self) -> (Nearby, f32) {
+    fn range(&mut self) -> (MotionInterval, f32) {
         let scale = |random: &mut Random| 2f64.powi((random.next() * 20.0) as i32);
         let middle = if self.next() < -0.8 { 0.0 } else { f64::from((self.next() * scale(self)) as f32) };
         let radius = if self.next() < -0.5 { 0.0 } else { self.next().abs() * scale(self) };
@@ -22,11 +22,11 @@ impl Random {
         };
         let member = (middle + end * radius) as f32;
         let inside = (f64::from(member) - middle).abs() <= radius;
-        (Nearby::within(middle, radius), if inside { member } else { middle as f32 })
+        (MotionInterval::within(middle, radius), if inside { member } else { middle as f32 })
     }
 }
 
-fn holds(range: Nearby, value: f64) -> bool {
+fn holds(range: MotionInterval, value: f64) -> bool {
     !range.radius.is_finite() || (value - range.middle).abs() <= range.radius
 }
 
@@ -87,34 +87,34 @@ fn what_is_certain_is_so_of_every_member_and_what_is_not_possible_of_none() {
 
 #[test]
 fn nothing_is_known_beyond_the_range_of_f32_and_of_quotients_by_zero() {
-    let zero = Nearby::within(0.0, 1.0);
+    let zero = MotionInterval::within(0.0, 1.0);
     for unknown in [
-        Nearby::within(1e10, 0.0),
-        Nearby::within(0.0, f64::NAN),
-        Nearby::exact(1.0) / zero,
-        zero / Nearby::ZERO,
-        Nearby::exact(1.0) / Nearby::exact(1e-20),
+        MotionInterval::within(1e10, 0.0),
+        MotionInterval::within(0.0, f64::NAN),
+        MotionInterval::exact(1.0) / zero,
+        zero / MotionInterval::ZERO,
+        MotionInterval::exact(1.0) / MotionInterval::exact(1e-20),
     ] {
         for of_it in [
             unknown,
             unknown + zero,
-            unknown * Nearby::ZERO,
-            unknown / Nearby::exact(2.0),
+            unknown * MotionInterval::ZERO,
+            unknown / MotionInterval::exact(2.0),
             unknown.sqrt(),
             unknown.abs(),
             unknown.smaller(zero),
             unknown.larger(zero),
         ] {
-            assert!(of_it < Nearby::ZERO && of_it > Nearby::ZERO, "{of_it:?}");
-            assert!(!certainly(|| of_it < Nearby::ZERO || of_it >= Nearby::ZERO), "{of_it:?}");
-            assert!(is_open(|| of_it.below(Nearby::ZERO)).1 && is_open(|| of_it.is_finite()).1, "{of_it:?}");
+            assert!(of_it < MotionInterval::ZERO && of_it > MotionInterval::ZERO, "{of_it:?}");
+            assert!(!certainly(|| of_it < MotionInterval::ZERO || of_it >= MotionInterval::ZERO), "{of_it:?}");
+            assert!(is_open(|| of_it.below(MotionInterval::ZERO)).1 && is_open(|| of_it.is_finite()).1, "{of_it:?}");
         }
     }
 }
 
 #[test]
 fn what_is_asked_and_what_is_open_end_with_the_work() {
-    let (one, two) = (Nearby::within(0.0, 2.0), Nearby::within(1.0, 2.0));
+    let (one, two) = (MotionInterval::within(0.0, 2.0), MotionInterval::within(1.0, 2.0));
     let all = || (one < two, certainly(|| (one < two, the_other_way(|| one < two), possibly(|| one < two))), one < two);
     assert_eq!(all(), (true, (false, true, true), true));
     let ((), outer) = is_open(|| {

@@ -1,7 +1,7 @@
 //! Which pairs of features can be in a contact while two blocks stay near where they are.
 //!
-//! Of most pairs of features the tests of SPEC section 4 refuse a contact, and would still do so if every vertex moved a little. [`NearbyPairs::of`]
-//! finds the others: it makes the tests once in [`Nearby`], where every coordinate stands for all within a margin, and leaves out what is refused wherever
+//! Of most pairs of features the tests of SPEC section 4 refuse a contact, and would still do so if every vertex moved a little. [`NearbyFeatures::of`]
+//! finds the others: it makes the tests once in [`MotionInterval`], where every coordinate stands for all within a margin, and leaves out what is refused wherever
 //! the vertices are in it. As long as they are, only the others need be put through the tests, and give the same contacts bit for bit.
 
 use crate::contact::entrance::KnownPlane;
@@ -14,7 +14,7 @@ use rockproof_model::{ContactKind, EdgeId, FaceId, VertexId};
 
 /// Pairs of features of two convex blocks, of which alone contacts are to be looked for.
 #[derive(Clone, Debug)]
-pub struct NearbyPairs {
+pub struct NearbyFeatures {
     pub(super) pairs: Box<[NearbyPair]>,
 }
 
@@ -77,7 +77,7 @@ impl Planes {
     }
 }
 
-impl NearbyPairs {
+impl NearbyFeatures {
     /// How many they are.
     pub fn len(&self) -> usize {
         self.pairs.len()
@@ -91,7 +91,7 @@ impl NearbyPairs {
 
 impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contacts of these pairs of features.
-    pub(super) fn look_among(&mut self, nearby: &NearbyPairs) {
+    pub(super) fn look_among(&mut self, nearby: &NearbyFeatures) {
         for &NearbyPair { planes, a, b, kind } in &nearby.pairs {
             let (a, b) = (u32::from(a), u32::from(b));
             match kind {

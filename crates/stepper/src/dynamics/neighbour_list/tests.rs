@@ -13,16 +13,16 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> Block {
 
 #[test]
 fn distances_are_counted_rounded_up_and_without_end() {
-    let mut travel = Travel::of(3);
+    let mut travel = BlockTravel::of(3);
     for (distance, units) in [
         (0.0, 0),
         (1e-300, 1),
         (0.5, UNITS / 2),
         (0.5 + 1e-12, UNITS / 2 + 1),
         (1.0, UNITS),
-        (f64::INFINITY, MOST),
-        (f64::NAN, MOST),
-        (1e300, MOST),
+        (f64::INFINITY, MOST_UNITS),
+        (f64::NAN, MOST_UNITS),
+        (1e300, MOST_UNITS),
     ] {
         let before = travel.0[1];
         travel.add(1, distance, 1.0);
@@ -34,7 +34,7 @@ fn distances_are_counted_rounded_up_and_without_end() {
     // Nothing is known without a margin.
     travel.add(2, 1.0, 0.0);
     travel.add(2, 1.0, f64::NAN);
-    assert_eq!(travel.0[2], 2 * MOST);
+    assert_eq!(travel.0[2], 2 * MOST_UNITS);
 }
 
 #[test]
@@ -56,21 +56,21 @@ fn known_after(moved: &[[u64; 2]]) -> Vec<bool> {
     let tolerances = Tolerances::<f64>::new(&set).expect("in range");
     let [a, b] = [a, b].map(|block| PreparedBlock::new(&block).expect("a block"));
     let request = ClassificationRequest { a: &a, b: &b, tolerances: &tolerances, kept: &[], among: None };
-    let mut watched = Watched::default();
+    let mut watched = NeighbourList::default();
     let known = |&[one, two]: &[u64; 2]| {
-        let travel = Travel(vec![7, one, 7, two]);
-        watched.nearby([1, 3], &travel, request, nearby_margin(tolerances.search)).is_some()
+        let travel = BlockTravel(vec![7, one, 7, two]);
+        watched.nearby([1, 3], &travel, request, skin(tolerances.search)).is_some()
     };
     moved.iter().map(known).collect()
 }
 
 #[test]
 fn features_are_found_when_blocks_are_calm_and_forgotten_when_either_has_moved_on() {
-    let few = UNITS / CALM / 8;
-    let calm = usize::from(LOOKS);
+    let few = UNITS / CALM_SHARE / 8;
+    let calm = usize::from(LOOKS_BEFORE_LISTING);
     let mut looks: Vec<[u64; 2]> = (0..calm as u64).map(|k| [k * few, few]).collect();
     assert_eq!(known_after(&looks), vec![false; calm]);
-    let found = [LOOKS.into(), 2].map(|k: u64| k * few);
+    let found = [LOOKS_BEFORE_LISTING.into(), 2].map(|k: u64| k * few);
     looks.push(found);
     assert_eq!(known_after(&looks)[calm..], [true]);
     for [one, two] in [[0, 0], [USED_UP, 0], [0, USED_UP], [USED_UP, USED_UP], [USED_UP + 1, 0], [0, USED_UP + 1]] {
@@ -80,7 +80,7 @@ fn features_are_found_when_blocks_are_calm_and_forgotten_when_either_has_moved_o
         const { assert!(USED_UP < UNITS) };
     }
     // Never while they move on.
-    let restless: Vec<[u64; 2]> = (0..50).map(|k| [k * UNITS / CALM / 2, 0]).collect();
+    let restless: Vec<[u64; 2]> = (0..50).map(|k| [k * UNITS / CALM_SHARE / 2, 0]).collect();
     assert_eq!(known_after(&restless), [false; 50]);
     // Those of one that has moved on are found again.
     looks.extend(vec![[9 * UNITS, 0]; calm + 2]);
@@ -101,7 +101,7 @@ fn fall(forget: bool) -> String {
     for _ in 0..700 {
         dynamics.step().expect("a step");
         if forget {
-            dynamics.travel = Travel::of(2);
+            dynamics.travel = BlockTravel::of(2);
         }
     }
     format!("{:?}", dynamics.state().blocks)
