@@ -2,23 +2,6 @@
 
 /// An enum without fields whose variants have names, each written once beside its variant, with its `ALL` and `name`; where asked for
 /// after the enum's name, `from_name` and [`Display`](std::fmt::Display) as well.
-///
-/// ```
-/// rockproof_model::named_enum! {
-///     /// How a thing lies.
-///     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-///     pub enum Lie: from_name, Display {
-///         /// On its face.
-///         Flat = "flat",
-///         /// On its edge.
-///         OnEdge = "on-edge",
-///     }
-/// }
-/// assert_eq!(Lie::ALL.map(Lie::name), ["flat", "on-edge"]);
-/// assert_eq!(Lie::from_name("on-edge"), Some(Lie::OnEdge));
-/// assert_eq!(Lie::from_name("On-Edge"), None);
-/// assert_eq!(format!("{:>8}", Lie::Flat), "    flat");
-/// ```
 #[macro_export]
 macro_rules! named_enum {
     (
@@ -61,4 +44,25 @@ macro_rules! named_enum {
             }
         }
     };
+}
+
+#[cfg(test)]
+mod tests {
+    named_enum! {
+        /// How a brick lies.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        enum Lie: from_name, Display {
+            /// On its face.
+            Flat = "flat",
+            /// On its edge.
+            OnEdge = "on-edge",
+        }
+    }
+
+    #[test]
+    fn names_are_found_padded_and_in_order() {
+        assert_eq!(Lie::ALL.map(Lie::name), ["flat", "on-edge"]);
+        assert_eq!((Lie::from_name("on-edge"), Lie::from_name("On-Edge")), (Some(Lie::OnEdge), None));
+        assert_eq!(format!("{:>8}", Lie::Flat), "    flat");
+    }
 }
