@@ -159,7 +159,7 @@ mod tests {
                 let before = [contact(ContactKind::VertexVertex, 0), contact(kind, 1 + pair % 3)];
                 let after = &before[..(pair as usize / 2) % 3];
                 record.answers(&compared, &before, after, features);
-                if pair % 5 == 0 {
+                if pair.is_multiple_of(5) {
                     record.no_answer(&compared);
                 }
             }
