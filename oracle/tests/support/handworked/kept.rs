@@ -1,8 +1,8 @@
 //! Contacts kept from the step before: depth alone does not end them, anything else does.
 
-use super::super::shapes::{Prism, WEDGE, classic, cuboid, leaning_spike, point, revised, slab, spike, step};
+use super::super::shapes::{Prism, WEDGE, classic, cuboid, leaning_spike, number, point, revised, slab, spike, step};
 use super::{Case, Row};
-use rockproof_model::{Block, ContactKey, ContactKind};
+use rockproof_model::{Block, ContactKey, ContactKind, Point, Vec3};
 
 pub(super) fn cases() -> Vec<Case> {
     let tip_at = |z| [spike(["0", "0", z]), slab()];
@@ -59,6 +59,13 @@ pub(super) fn cases() -> Vec<Case> {
             "kept_ee_out_of_reach",
             "Ridges that have passed one another by 1: beyond the reach of each other.",
             ridges("-1"),
+            (&[], &[("e-e", 0, 0)]),
+            vec![("e-e", 0, 0, "e-e", 0, 0, "-1")],
+        ),
+        case(
+            "kept_ee_slanted",
+            "kept_ee_out_of_reach with both blocks turned about x: what is between the ridges is along no axis, and the boxes of the edges meet.",
+            ridges("-1").map(|block| turned(&block)),
             (&[], &[("e-e", 0, 0)]),
             vec![("e-e", 0, 0, "e-e", 0, 0, "-1")],
         ),
@@ -169,6 +176,16 @@ pub(super) fn cases() -> Vec<Case> {
             )
         },
     ]
+}
+
+/// The block turned about x by the angle with cosine 4/5 and sine 3/5.
+fn turned(block: &Block) -> Block {
+    let (c, s) = (number("4/5"), number("3/5"));
+    let turn = |v: &Point| {
+        let y = v.y.times(&c).plus(&v.z.times(&s).negated());
+        Vec3::new(v.x.clone(), y, v.y.times(&s).plus(&v.z.times(&c)))
+    };
+    block.with_vertices(block.vertices().iter().map(turn).collect())
 }
 
 /// Tolerances changed by name, and the contacts kept.
