@@ -178,8 +178,12 @@ struct Replay<'r> {
     /// Which of all decisions are wanted, in the order made, and the place of each among those wanted.
     wanted: Vec<(u32, usize)>,
     margins: Vec<Option<Margin>>,
-    /// Decisions that have come, signs that no decision asked for, and decisions measured.
-    past: (u32, usize, usize),
+    /// How many decisions have come.
+    decided: u32,
+    /// How many signs that no decision asked for.
+    signs: usize,
+    /// How many of the decisions wanted.
+    measured: usize,
     /// Place of the decision being made among those wanted.
     measuring: Option<usize>,
 }
@@ -193,7 +197,7 @@ impl<'r> Replay<'r> {
         wanted.sort_unstable();
         wanted.dedup_by_key(|(first, _)| *first);
         let margins = vec![None; decisions.len()];
-        Replay { recording, wanted, margins, past: (0, 0, 0), measuring: None }
+        Replay { recording, wanted, margins, decided: 0, signs: 0, measured: 0, measuring: None }
     }
 }
 
@@ -221,11 +225,11 @@ impl Observer for Replay<'_> {
     }
 
     fn known_outcome(&mut self) -> Option<i8> {
-        let (number, _, measured) = self.past;
-        self.past.0 += 1;
-        match self.wanted.get(measured) {
+        let number = self.decided;
+        self.decided += 1;
+        match self.wanted.get(self.measured) {
             Some(&(wanted, place)) if wanted == number => {
-                self.past.2 += 1;
+                self.measured += 1;
                 self.measuring = Some(place);
                 None
             }
@@ -237,7 +241,7 @@ impl Observer for Replay<'_> {
         if self.measuring.is_some() {
             return None;
         }
-        self.past.1 += 1;
-        self.recording.signs.get(self.past.1 - 1).copied()
+        self.signs += 1;
+        self.recording.signs.get(self.signs - 1).copied()
     }
 }

@@ -343,7 +343,7 @@ impl<'p> Examiner<'p> {
         for &precision in &precisions {
             let tolerances = set.of(precision);
             let (ideal, given) = (self.exact.contacts(&tolerances.ideal()), self.exact.contacts(tolerances));
-            let compared = compared(self.subject, set, ChainSpan::Tolerance, precision_name(precision));
+            let compared = compared(self.subject, set, ChainSpan::Tolerance, precision.name());
             self.recorder.answers(&compared, &ideal, &given, self.features);
         }
         let mut changed: Vec<(FindingScope, &ToleranceSet, Difference)> = Vec::new();
@@ -386,7 +386,7 @@ impl<'p> Examiner<'p> {
         let precision = view.rounded.precision;
         let given = set.of(precision);
         let mut lost = |change, note: String| {
-            self.recorder.no_answer(&compared(self.subject, set, ChainSpan::Representation, precision_name(precision)));
+            self.recorder.no_answer(&compared(self.subject, set, ChainSpan::Representation, precision.name()));
             for engine in self.panel.engines.iter().filter(|e| e.precision() == precision) {
                 self.recorder.no_answer(&compared(self.subject, set, ChainSpan::Whole, engine.name()));
             }
@@ -408,7 +408,7 @@ impl<'p> Examiner<'p> {
         let side = || if view.rounded.same { &self.exact } else { view.exact_side(blocks) };
         let rounded = if same { Rc::clone(&exact) } else { side().contacts(&tolerances) };
         let roundoff = Some(precision.epsilon() / 2.0);
-        let represented = compared(self.subject, set, ChainSpan::Representation, precision_name(precision));
+        let represented = compared(self.subject, set, ChainSpan::Representation, precision.name());
         self.recorder.answers(&represented, &exact, &rounded, self.features);
         let changed = self.wanted(Cause::Representation, differences(&exact, &rounded, self.features));
         if !changed.is_empty() {
@@ -578,14 +578,6 @@ impl EngineAt<'_> {
 
 fn compared<'x>(subject: &'x Subject, set: &'x SubjectSet, span: ChainSpan, engine: &'x str) -> Compared<'x> {
     Compared { family: &subject.family, tolerances: &set.name, span, engine }
-}
-
-/// The precision as it stands in tables.
-fn precision_name(precision: Precision) -> &'static str {
-    match precision {
-        Precision::F32 => "f32",
-        Precision::F64 => "f64",
-    }
 }
 
 /// Whether two answers differ in the contacts a difference is about.

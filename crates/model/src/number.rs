@@ -115,14 +115,19 @@ impl Precision {
             Precision::F64 => f64::MAX,
         }
     }
+
+    /// The name in files and tables: `f32` or `f64`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Precision::F32 => "f32",
+            Precision::F64 => "f64",
+        }
+    }
 }
 
 impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Precision::F32 => "f32",
-            Precision::F64 => "f64",
-        })
+        f.pad(self.name())
     }
 }
 

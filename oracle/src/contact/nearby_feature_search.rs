@@ -1,4 +1,4 @@
-//! Finds the pairs of features of two blocks that can be in a contact while their vertices stay within a margin ([`super::nearby`]).
+//! Finds the pairs of features of two blocks that can be in a contact while their vertices stay within a margin ([`super::nearby_features`]).
 //!
 //! Every coordinate is a ball with the margin for its radius, so the ball of a polynomial encloses its value wherever the vertices are. A pair of features is
 //! left out if one of the tests of SPEC section 4 is certain to refuse it; what is not certain stays.

@@ -129,6 +129,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         if !self.neighbours() {
             return Vec::new();
         }
+        // Takes note of how far territories reach; how far features reach the list says.
         self.reach_distance();
         let mut found = Vec::new();
         // By vertex, for the shortest exit.
