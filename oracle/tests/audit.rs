@@ -13,7 +13,7 @@ use rockproof_model::{Block, ContactKey, FaceId, Number, Precision, ToleranceSet
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Decider, Meaning, Overlap, OverlapVisibility, audit, rounding_depth};
 use support::random_numbers::Random;
-use support::shapes::{block, cuboid, exact, number, plus_sign, point, revised, slab, step, tetrahedron};
+use support::shapes::{block, cuboid, exact, number, plus_sign, point, revised, slab, step, tetrahedron, turned};
 
 type Place = Vec3<BigRational>;
 
@@ -35,20 +35,6 @@ fn overlaps(a: &Block, b: &Block) -> bool {
         assert_eq!(overlap_of(&one, &two, &wide()).is_some(), answer, "{one:?}\n{two:?}");
     }
     answer
-}
-
-/// Turned by the angles of cosine 3/5 about z and 5/13 about x, and moved by a seventh.
-fn turned(block: &Block) -> Block {
-    let turn = |a: &Number, b: &Number, c: &str, s: &str| {
-        let (c, s) = (number(c), number(s));
-        (a.times(&c).plus(&b.times(&s).negated()), a.times(&s).plus(&b.times(&c)))
-    };
-    let vertices = block.vertices().iter().map(|v| {
-        let (x, y) = turn(&v.x, &v.y, "3/5", "4/5");
-        let (y, z) = turn(&y, &v.z, "5/13", "12/13");
-        Vec3::new(x.plus(&number("1/7")), y, z)
-    });
-    block.with_vertices(vertices.collect())
 }
 
 fn unit() -> Block {

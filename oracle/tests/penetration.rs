@@ -7,7 +7,7 @@ use num_rational::BigRational;
 use rockproof_model::{Block, Number, Sign, Vec3};
 use rockproof_oracle::penetration::{deepest, penetration};
 use support::random_numbers::Random;
-use support::shapes::{block, cuboid, exact, number, point, step, tetrahedron};
+use support::shapes::{block, cuboid, exact, number, point, step, tetrahedron, turn};
 
 fn squared(a: &Block, b: &Block) -> (Sign, BigRational) {
     let found = penetration(a, b).unwrap();
@@ -17,12 +17,9 @@ fn squared(a: &Block, b: &Block) -> (Sign, BigRational) {
 /// Turned about z by the angle of cosine 3/5, about x by that of cosine 5/13, and scaled.
 fn moved(block: &Block, scale: &str) -> Block {
     let n = |t: &str| number(t);
-    let turn = |a: &rockproof_model::Number, b: &rockproof_model::Number, c: &str, s: &str| {
-        (a.times(&n(c)).plus(&b.times(&n(s)).negated()), a.times(&n(s)).plus(&b.times(&n(c))))
-    };
     let vertices = block.vertices().iter().map(|v| {
-        let (x, y) = turn(&v.x, &v.y, "3/5", "4/5");
-        let (y, z) = turn(&y, &v.z, "5/13", "12/13");
+        let (x, y) = turn(&v.x, &v.y, ["3/5", "4/5"]);
+        let (y, z) = turn(&y, &v.z, ["5/13", "12/13"]);
         Vec3::new(x.times(&n(scale)).plus(&n("1/7")), y.times(&n(scale)), z.times(&n(scale)))
     });
     block.with_vertices(vertices.collect())

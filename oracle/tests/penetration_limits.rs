@@ -6,7 +6,7 @@ mod support;
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Sign, Vec3};
 use rockproof_oracle::penetration::{deepest, penetration};
-use support::shapes::{block, cuboid, exact, notched_cube, number, plus_sign, point, step, tetrahedron};
+use support::shapes::{block, cuboid, exact, notched_cube, number, plus_sign, point, step, tetrahedron, turned};
 
 /// The sign and the square of the gap, the same both ways round.
 fn squared(a: &Block, b: &Block) -> (Sign, BigRational) {
@@ -24,19 +24,6 @@ fn depth_squared(a: &Block, b: &Block) -> BigRational {
 
 fn mapped(block: &Block, map: impl Fn(&Vec3<Number>) -> Vec3<Number>) -> Block {
     block.with_vertices(block.vertices().iter().map(map).collect())
-}
-
-/// Turned about z by the angle of cosine 3/5, about x by that of cosine 5/13, and moved.
-fn turned(block: &Block) -> Block {
-    let turn = |a: &Number, b: &Number, c: &str, s: &str| {
-        let (c, s) = (number(c), number(s));
-        (a.times(&c).plus(&b.times(&s).negated()), a.times(&s).plus(&b.times(&c)))
-    };
-    mapped(block, |v| {
-        let (x, y) = turn(&v.x, &v.y, "3/5", "4/5");
-        let (y, z) = turn(&y, &v.z, "5/13", "12/13");
-        Vec3::new(x.plus(&number("1/7")), y, z)
-    })
 }
 
 /// Turned about y by 45° and √2 times as large: depths' squares are twice as much.

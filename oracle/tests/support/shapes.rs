@@ -146,10 +146,8 @@ impl Prism<'_> {
 
     /// Turned about z by the angle with cosine 4/5 and sine 3/5, before it is moved.
     pub(crate) fn turned(self) -> Block {
-        let (c, s) = (number("4/5"), number("3/5"));
         self.mapped(|v| {
-            let x = v.x.times(&c).plus(&v.y.times(&s).negated());
-            let y = v.x.times(&s).plus(&v.y.times(&c));
+            let (x, y) = turn(&v.x, &v.y, ["4/5", "3/5"]);
             Vec3::new(x, y, v.z)
         })
     }
@@ -170,6 +168,22 @@ impl Prism<'_> {
         let faces: [&[u32]; 5] = [&[2, 3, 5, 4], &[0, 3, 2, 1], &[0, 1, 4, 5], &[1, 2, 4], &[0, 5, 3]];
         block(vertices, &faces).translated(&point(self.offset))
     }
+}
+
+/// Two coordinates turned by the angle of this cosine and sine.
+pub(crate) fn turn(a: &Number, b: &Number, angle: [&str; 2]) -> (Number, Number) {
+    let [c, s] = angle.map(number);
+    (a.times(&c).plus(&b.times(&s).negated()), a.times(&s).plus(&b.times(&c)))
+}
+
+/// The block turned by the angles of cosine 3/5 about z and 5/13 about x, and moved by a seventh.
+pub(crate) fn turned(block: &Block) -> Block {
+    let vertices = block.vertices().iter().map(|v| {
+        let (x, y) = turn(&v.x, &v.y, ["3/5", "4/5"]);
+        let (y, z) = turn(&y, &v.z, ["5/13", "12/13"]);
+        Vec3::new(x.plus(&number("1/7")), y, z)
+    });
+    block.with_vertices(vertices.collect())
 }
 
 /// A step: the L with corners (0,0), (4,0), (4,2), (2,2), (2,4), (0,4) in the plane (x, z), from y = −4 to y = 4.

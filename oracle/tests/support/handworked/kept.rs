@@ -1,8 +1,8 @@
 //! Contacts kept from the step before: depth alone does not end them, anything else does.
 
-use super::super::shapes::{Prism, WEDGE, classic, cuboid, leaning_spike, number, point, revised, slab, spike, step};
+use super::super::shapes::{Prism, WEDGE, classic, cuboid, leaning_spike, point, revised, slab, spike, step, turn};
 use super::{Case, Row};
-use rockproof_model::{Block, ContactKey, ContactKind, Point, Vec3};
+use rockproof_model::{Block, ContactKey, ContactKind, Vec3};
 
 pub(super) fn cases() -> Vec<Case> {
     let tip_at = |z| [spike(["0", "0", z]), slab()];
@@ -65,7 +65,7 @@ pub(super) fn cases() -> Vec<Case> {
         case(
             "kept_ee_slanted",
             "kept_ee_out_of_reach with both blocks turned about x: what is between the ridges is along no axis, and the boxes of the edges meet.",
-            ridges("-1").map(|block| turned(&block)),
+            ridges("-1").map(|block| turned_about_x(&block)),
             (&[], &[("e-e", 0, 0)]),
             vec![("e-e", 0, 0, "e-e", 0, 0, "-1")],
         ),
@@ -178,14 +178,13 @@ pub(super) fn cases() -> Vec<Case> {
     ]
 }
 
-/// The block turned about x by the angle with cosine 4/5 and sine 3/5.
-fn turned(block: &Block) -> Block {
-    let (c, s) = (number("4/5"), number("3/5"));
-    let turn = |v: &Point| {
-        let y = v.y.times(&c).plus(&v.z.times(&s).negated());
-        Vec3::new(v.x.clone(), y, v.y.times(&s).plus(&v.z.times(&c)))
-    };
-    block.with_vertices(block.vertices().iter().map(turn).collect())
+/// The block turned about x by the angle of cosine 4/5.
+fn turned_about_x(block: &Block) -> Block {
+    let vertices = block.vertices().iter().map(|v| {
+        let (y, z) = turn(&v.y, &v.z, ["4/5", "3/5"]);
+        Vec3::new(v.x.clone(), y, z)
+    });
+    block.with_vertices(vertices.collect())
 }
 
 /// Tolerances changed by name, and the contacts kept.
