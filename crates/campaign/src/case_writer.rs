@@ -103,6 +103,9 @@ impl CaseFiles {
     }
 }
 
+/// Findings whose requests or rows one thread makes at least: they cost little.
+pub(super) const ROWS: usize = 64;
+
 /// So often files of other findings are tried in place of those that could not be made.
 const ROUNDS: usize = 4;
 
@@ -127,16 +130,28 @@ pub(super) fn in_threads<F: Sync>(
     move |findings| findings.par_iter().map(|finding| file(finding)).collect()
 }
 
+/// The requests of findings, one after the other.
+pub(super) fn each<F>(request: impl Fn(&F) -> CaseRequest) -> impl FnOnce(&[F]) -> Vec<CaseRequest> {
+    move |findings| findings.iter().map(request).collect()
+}
+
+/// The same on the threads of the pool that this is called in.
+pub(super) fn each_in_threads<F: Sync>(
+    request: impl Fn(&F) -> CaseRequest + Sync,
+) -> impl FnOnce(&[F]) -> Vec<CaseRequest> {
+    move |findings| findings.par_iter().with_min_len(ROWS).map(&request).collect()
+}
+
 /// Accepts the first requests within the quota, has `make` make the files, and counts and names those that are there afterwards. Where a file
 /// cannot be made (`None`) the place is free again, for the next findings and for later calls.
 pub(super) fn write_cases<F>(
     findings: &[F],
-    request: impl Fn(&F) -> CaseRequest,
+    requests: impl FnOnce(&[F]) -> Vec<CaseRequest>,
     quota: CaseQuota,
     mut counts: CaseCounts<'_>,
     make: impl Fn(&[&F]) -> MadeFiles,
 ) -> Result<CaseFiles, RunError> {
-    let requests: Vec<CaseRequest> = findings.iter().map(request).collect();
+    let requests = requests(findings);
     let mut statuses = vec![CaseStatus::Requested; findings.len()];
     let mut names: BTreeSet<&str> = BTreeSet::new();
     for _ in 0..ROUNDS {
@@ -200,9 +215,14 @@ mod tests {
         let mut kept = |findings: &[u32]| {
             let counts = CaseCounts { alike: &mut alike, of_cause: &mut of_cause };
             let file = |number: &u32| Ok((*number != 1 && *number != 2).then(|| number.to_string().into_bytes()));
-            let CaseFiles { names, files, .. } =
-                write_cases(findings, request, CaseQuota { of_cause: 3, alike: 2 }, counts, in_threads(file))
-                    .expect("files");
+            let CaseFiles { names, files, .. } = write_cases(
+                findings,
+                each_in_threads(request),
+                CaseQuota { of_cause: 3, alike: 2 },
+                counts,
+                in_threads(file),
+            )
+            .expect("files");
             assert!(names.iter().flatten().eq(files.iter().map(|(name, _)| name)), "{names:?}");
             names.iter().map(Option::is_some).collect::<Vec<_>>()
         };
@@ -225,7 +245,7 @@ mod tests {
             furthest: None,
         };
         let file = |number: &u32| Ok(Some(number.to_string().into_bytes()));
-        let kept = write_cases(&[1, 2], request, CaseQuota { of_cause: 9, alike: 9 }, counts, in_threads(file))
+        let kept = write_cases(&[1, 2], each(request), CaseQuota { of_cause: 9, alike: 9 }, counts, in_threads(file))
             .expect("files");
         assert_eq!(kept.names, [Some("same.toml".to_owned()), None]);
         assert_eq!(kept.files, [("same.toml".to_owned(), b"1".to_vec())]);
@@ -243,8 +263,9 @@ mod tests {
                 furthest: (*decade > 0).then(|| FurthestFinding { key: "furthest".to_owned(), decade: *decade }),
             };
             let file = |decade: &u64| Ok((*decade != 9).then(Vec::new));
-            let kept = write_cases(findings, request, CaseQuota { of_cause: 1, alike: 1 }, counts, in_threads(file))
-                .expect("files");
+            let kept =
+                write_cases(findings, each(request), CaseQuota { of_cause: 1, alike: 1 }, counts, in_threads(file))
+                    .expect("files");
             kept.names.iter().map(Option::is_some).collect::<Vec<_>>()
         };
         // One of the kind, and 4 and 7 beyond it; 5 is behind 7, and 9 cannot be made.

@@ -1,16 +1,21 @@
 //! The case files of a campaign: which findings get one, and how it is made.
 
-use super::case_writer::{CaseCounts, CaseFiles, CaseQuota, CaseRequest, FurthestFinding, in_threads, write_cases};
+use super::case_writer::{
+    CaseCounts, CaseFiles, CaseQuota, CaseRequest, FurthestFinding, ROWS, each, each_in_threads, in_threads,
+    write_cases,
+};
 use super::journal::{CampaignProgress, NewRows};
 use super::run::{Campaign, RunError, Stopped, rows};
 use super::shrink::Shrinker;
 use super::steps::{self, StepFinding, StepFindingRow};
+use rayon::prelude::*;
 use rockproof_differential::attribution::examine;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::{FAR, Finding, Fingerprint};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::row::FindingRow;
 use rockproof_differential::subject::Subject;
+use serde::Serialize;
 
 /// A case file: its name and its content.
 pub(super) type CaseFile = (String, Vec<u8>);
@@ -33,6 +38,17 @@ pub(super) fn case_request(row: &FindingRow) -> CaseRequest {
 /// The same of a finding about a step.
 pub(super) fn step_case_request(row: &StepFindingRow) -> CaseRequest {
     CaseRequest { fingerprint: row.fingerprint(), cause: row.cause.name(), name: row.file_name(), furthest: None }
+}
+
+/// [`rows`], on the threads of the pool that this is called in.
+fn rows_in_threads<F: Sync, R: Serialize>(
+    findings: &[F],
+    names: &[Option<String>],
+    row: impl Fn(&F, String) -> R + Sync,
+) -> Result<Vec<u8>, csv::Error> {
+    let parts = findings.par_chunks(ROWS).zip(names.par_chunks(ROWS));
+    let parts: Vec<Vec<u8>> = parts.map(|(findings, names)| rows(findings, names, &row)).collect::<Result<_, _>>()?;
+    Ok(parts.concat())
 }
 
 impl Campaign<'_> {
@@ -63,8 +79,8 @@ impl Campaign<'_> {
             (kept, self.keep_step_cases(stepped, progress, stopped)?, Vec::new())
         };
         let new = NewRows {
-            findings: rows(findings, &kept.names, Finding::row)?,
-            steps: rows(stepped, &kept_steps.names, StepFinding::row)?,
+            findings: rows_in_threads(findings, &kept.names, Finding::row)?,
+            steps: rows_in_threads(stepped, &kept_steps.names, StepFinding::row)?,
             no_case,
         };
         Ok((new, kept.files.into_iter().chain(kept_steps.files).collect()))
@@ -80,7 +96,7 @@ impl Campaign<'_> {
         let request = |finding: &Finding| case_request(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let case = |finding: &Finding| if stopped() { Ok(None) } else { self.case(finding) };
-        write_cases(findings, request, self.most_cases(), counts, in_threads(case))
+        write_cases(findings, each_in_threads(request), self.most_cases(), counts, in_threads(case))
     }
 
     /// The same of findings about steps: the first few of each fingerprint.
@@ -93,7 +109,7 @@ impl Campaign<'_> {
         let request = |finding: &StepFinding| step_case_request(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let case = |finding: &StepFinding| if stopped() { Ok(None) } else { self.step_case(finding) };
-        write_cases(findings, request, self.most_step_cases(), counts, in_threads(case))
+        write_cases(findings, each_in_threads(request), self.most_step_cases(), counts, in_threads(case))
     }
 
     /// Rows of `no_case.csv`: of the findings about steps that a campaign of this part alone would keep, those that cannot have a case file.
@@ -116,7 +132,7 @@ impl Campaign<'_> {
                 .is_some_and(|(subject, motion)| steps::case::is_possible(finding, &subject, &motion, self.steppers));
             Ok(possible.then(Vec::new))
         };
-        let kept = write_cases(findings, request, self.most_step_cases(), counts, in_threads(tried))?;
+        let kept = write_cases(findings, each(request), self.most_step_cases(), counts, in_threads(tried))?;
         let mut rows = Vec::new();
         for at in kept.failed {
             let index = findings[at].index;

@@ -33,8 +33,10 @@ pub(crate) mod edges;
 pub(crate) mod exact;
 pub(crate) mod f64_view;
 pub(crate) mod faces;
+mod remembered;
 pub(crate) mod vertices;
 
+use self::remembered::Remembered;
 use super::families::PairSampler;
 use exact::{AffineMargin, ExactPlacement};
 use f64_view::{F64Vector, F64View, dot, length, minus, quantum, times};
@@ -44,6 +46,7 @@ use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::number::{exact_log2, power_of_two, round_rational};
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, Criteria, EdgeId, FaceId, Number, Precision, Sign, ToleranceSet, VertexId};
+use std::rc::Rc;
 
 /// Where B has to be for a decision to be on its boundary.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,38 +108,32 @@ pub const CHOSEN: [Predicate; 2] = [Predicate::EntranceChoice, Predicate::Shorte
 /// `None` where the pair has no suitable features, or the predicate does not depend on where B is.
 /// Where other decisions of the same test would keep this one from being asked, or from mattering, the answer is
 /// `None` too: try again.
-pub fn aim(
-    sampler: &mut PairSampler<'_>,
-    (a, b): (&Block, &Block),
-    set: &ToleranceSet,
-    predicate: Predicate,
-) -> Option<Aim> {
-    let pair = DirectedPair::new(a, b, set);
+pub(crate) fn aim(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> Option<Aim> {
     let aim = match predicate {
-        Predicate::Neighbours => vertices::neighbours(sampler, &pair),
-        Predicate::VertexVertexNear | Predicate::VertexTerritory => vertices::distance(sampler, &pair, predicate),
-        Predicate::VertexRegion => vertices::region(sampler, &pair),
-        Predicate::FootInside => edges::foot_inside(sampler, &pair),
-        Predicate::EdgeRegion => edges::edge_region(sampler, &pair),
-        Predicate::FootRegion => edges::foot_region(sampler, &pair),
-        Predicate::VertexEdgeNear | Predicate::EdgeTerritory => edges::distance(sampler, &pair, predicate),
+        Predicate::Neighbours => vertices::neighbours(sampler, pair),
+        Predicate::VertexVertexNear | Predicate::VertexTerritory => vertices::distance(sampler, pair, predicate),
+        Predicate::VertexRegion => vertices::region(sampler, pair),
+        Predicate::FootInside => edges::foot_inside(sampler, pair),
+        Predicate::EdgeRegion => edges::edge_region(sampler, pair),
+        Predicate::FootRegion => edges::foot_region(sampler, pair),
+        Predicate::VertexEdgeNear | Predicate::EdgeTerritory => edges::distance(sampler, pair, predicate),
         Predicate::VertexFaceNear | Predicate::VertexFaceDepth | Predicate::InsideFace => {
-            faces::vertex_face(sampler, &pair, predicate)
+            faces::vertex_face(sampler, pair, predicate)
         }
-        Predicate::GapSign if sampler.chance(60) => faces::vertex_face(sampler, &pair, predicate),
+        Predicate::GapSign if sampler.chance(60) => faces::vertex_face(sampler, pair, predicate),
         Predicate::GapSign | Predicate::FeetInside | Predicate::EdgeEdgeNear | Predicate::EdgeEdgeDepth => {
-            edges::edge_edge(sampler, &pair, predicate)
+            edges::edge_edge(sampler, pair, predicate)
         }
-        Predicate::EntranceDepth => faces::entrance_depth(sampler, &pair),
-        Predicate::EntranceChoice => faces::entrance_choice(sampler, &pair),
-        Predicate::ShortestExit => faces::shortest_exit(sampler, &pair),
+        Predicate::EntranceDepth => faces::entrance_depth(sampler, pair),
+        Predicate::EntranceChoice => faces::entrance_choice(sampler, pair),
+        Predicate::ShortestExit => faces::shortest_exit(sampler, pair),
         Predicate::ConePasses
         | Predicate::NearlyParallel
         | Predicate::WedgesPass
         | Predicate::TrueExit
         | Predicate::OneExit => None,
     }?;
-    check::checked(&pair, aim)
+    check::checked(pair, aim)
 }
 
 /// What every aim needs to know of the pair.
@@ -145,13 +142,17 @@ pub(crate) struct DirectedPair<'p> {
     pub(crate) set: &'p ToleranceSet,
     /// The coarsest precision that holds the pair: offsets are kept to its spacing where they can be.
     precision: Precision,
+    /// Of a vertex of each side and one of the other: see [`DirectedPair::ways_in`].
+    ways_in: [Remembered<Rc<[FaceId]>>; 2],
 }
 
 impl<'p> DirectedPair<'p> {
     pub(crate) fn new(a: &'p Block, b: &'p Block, set: &'p ToleranceSet) -> DirectedPair<'p> {
         let held = a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32);
         let precision = if held { Precision::F32 } else { Precision::F64 };
-        DirectedPair { f64_view: F64View::of(a, b), set, precision }
+        let [of_a, of_b] = [a, b].map(|block| block.vertices().len());
+        let ways_in = [Remembered::new(of_a, of_b), Remembered::new(of_b, of_a)];
+        DirectedPair { f64_view: F64View::of(a, b), set, precision, ways_in }
     }
 
     fn blocks(&self) -> (&'p Block, &'p Block) {
@@ -221,6 +222,17 @@ impl<'p> DirectedPair<'p> {
             let long = length(self.f64_view.edge(side, e).1);
             let slack = f64::EPSILON * 64.0 * long;
             dip <= sine * long + slack && self.is_shallow(dip - slack)
+        })
+    }
+
+    /// The faces at a vertex of the other block, `owner`, that the cone at a vertex passes: the true exits, or all if none is.
+    pub(crate) fn ways_in(&self, (side, vertex): (Side, VertexId), owner: VertexId) -> Rc<[FaceId]> {
+        self.ways_in[side as usize].get(vertex.index(), owner.index(), || {
+            let all = self.f64_view.block(side.other()).topology().vertex_faces(owner).iter().copied();
+            let passed: Vec<FaceId> = all.filter(|&f| self.cone_passes((side, vertex), f, None)).collect();
+            let exits: Vec<FaceId> = passed.iter().copied().filter(|&f| self.cone_leaves((side, vertex), f)).collect();
+            // The choice is among the true exits, where there is one.
+            Rc::from(if exits.is_empty() { passed } else { exits })
         })
     }
 

@@ -9,12 +9,13 @@ use crate::directed::exact::IntegerRoot;
 use crate::directed::f64_view::quantum;
 use crate::directed::{DirectedPair, Rung};
 use crate::families::PairSampler;
+use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Signed;
 use rockproof_model::decision::Decision;
 use rockproof_model::number::round_rational;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Number, Precision, Sign, ToleranceSet};
+use rockproof_model::{Number, Precision, Sign, ToleranceSet};
 
 /// The tolerances that classification uses, as they are named in files.
 pub const TOLERANCES: [&str; 6] = ["search", "territory", "penetration", "overlap_sine", "parallel_sine", "equal"];
@@ -36,19 +37,27 @@ pub struct Critical {
     pub offset: Option<[Number; 3]>,
 }
 
+/// The root of a square of an integer; `None` of what is none.
+fn exact_root(square: &BigInt) -> Option<BigInt> {
+    let root = square.sqrt();
+    (&root * &root == *square).then_some(root)
+}
+
 impl Critical {
     fn new(decision: Decision, tolerance: &'static str, squared: BigRational) -> Option<Critical> {
         if !squared.is_positive() {
             return None;
         }
-        let (numerator, denominator) = (IntegerRoot::of(squared.numer()), IntegerRoot::of(squared.denom()));
-        let exact = numerator.is_exact() && denominator.is_exact();
-        let value = if exact {
-            Number::from_rational(BigRational::new(numerator.root, denominator.root))
+        // In lowest terms, as the square is.
+        let root =
+            exact_root(squared.numer()).and_then(|root| Some(BigRational::new_raw(root, exact_root(squared.denom())?)));
+        let exact = root.is_some();
+        let value = if let Some(root) = root {
+            Number::from_rational(root)
         } else {
-            // √(n/d) = √(n·d)/d
+            // √(n/d) = √(n·d)/d; rounded, lowest terms are of no use.
             let product = IntegerRoot::of(&(squared.numer() * squared.denom()));
-            let near = BigRational::new(product.root, squared.denom() << product.shift);
+            let near = BigRational::new_raw(product.root, squared.denom() << product.shift);
             Number::from_f64(round_rational(&near, Precision::F64)?).ok()?
         };
         Some(Critical { decision, tolerance, squared, value, exact, offset: None })
@@ -89,17 +98,16 @@ impl Critical {
 /// How many numbers name kinds of decision: each kind that a tolerance settles has its share of them.
 pub const KINDS: u64 = 60;
 
-/// Chooses a decision of the pair that `tolerance` settles, of one kind (below [`KINDS`]), and finds the critical value. Decisions that do not depend
-/// on where B is may ask for B to be moved to where they are asked. `None` where the pair has no such decision, or the
-/// value is out of all proportion.
-pub fn critical(
+/// Chooses a decision of the pair that `tolerance`, one of its set's, settles, of one kind (below [`KINDS`]), and finds the critical value.
+/// Decisions that do not depend on where B is may ask for B to be moved to where they are asked. `None` where the pair has no such decision, or
+/// the value is out of all proportion.
+pub(crate) fn critical(
     sampler: &mut PairSampler<'_>,
-    (a, b): (&Block, &Block),
-    set: &ToleranceSet,
+    pair: &DirectedPair<'_>,
     (tolerance, kind): (&'static str, u64),
 ) -> Option<Critical> {
-    let pair = DirectedPair::new(a, b, set);
-    let (decision, squared, offset) = search::found(sampler, &pair, (tolerance, kind))?;
+    let set = pair.set;
+    let (decision, squared, offset) = search::found(sampler, pair, (tolerance, kind))?;
     let mut critical = Critical::new(decision, tolerance, squared)?;
     let moved = offset.iter().any(|c| *c != 0.0);
     critical.offset = moved.then(|| offset.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO)));

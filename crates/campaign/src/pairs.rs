@@ -1,7 +1,7 @@
 //! The pairs of a campaign. A pair is a function of (seed, index) and the configuration alone, in batches of sixteen that
 //! share their base pair, so that blocks are built once a batch and moved for the rest.
 
-use crate::directed::{self, Rung};
+use crate::directed::{self, DirectedPair, Rung};
 use crate::families::{self, CoordinateStyle, Family, PairSampler};
 use crate::ladder::{self, Critical};
 pub use crate::tolerance_sets::{NamedSet, SetSource};
@@ -9,7 +9,7 @@ use crate::{perturbation, tolerance_sets};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_model::decision::{Decision, Predicate};
-use rockproof_model::{Block, Criteria, Number, Precision, Sign, Vec3};
+use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet, Vec3};
 use std::sync::Arc;
 
 /// Pairs in a batch.
@@ -252,10 +252,12 @@ impl PairVariants<'_, '_, '_> {
         let set = self.set();
         let precision = self.precision();
         let chosen = set.of(precision).clone();
+        let base = self.base;
+        let pair = DirectedPair::new(&base.a, &base.b, &chosen);
         let aim = (0..TRIES).find_map(|_| {
             let predicate = self.predicate();
             // Other features may serve where the first ones do not.
-            (0..3).find_map(|_| directed::aim(self.sampler, (&self.base.a, &self.base.b), &chosen, predicate))
+            (0..3).find_map(|_| directed::aim(self.sampler, &pair, predicate))
         })?;
         // A long fraction is carried now and then only: it makes every exact number after it long.
         let carry = aim.is_short() || self.sampler.chance(10);
@@ -331,19 +333,25 @@ impl PairVariants<'_, '_, '_> {
         let steep = !self.perturbed && revised && LENGTHS.contains(&tolerance) && self.sampler.chance(60);
         let set = if steep { tolerance_sets::steep(set, &self.base.a, &self.base.b) } else { set.clone() };
         let kind = self.sampler.below(ladder::KINDS);
+        let found = self.nearest_to_exact(set.of(precision), (tolerance, kind))?;
+        Some((set, found))
+    }
+
+    /// The first critical value that is exact and that f32 holds, or else the first that is exact, or the first.
+    fn nearest_to_exact(&mut self, set: &ToleranceSet, sought: (&'static str, u64)) -> Option<Critical> {
+        let base = self.base;
+        let pair = DirectedPair::new(&base.a, &base.b, set);
         let mut found: Option<Critical> = None;
         for _ in 0..if self.perturbed { 3 } else { EXACT_TRIES } {
-            let next =
-                ladder::critical(self.sampler, (&self.base.a, &self.base.b), set.of(precision), (tolerance, kind));
-            let Some(next) = next else { continue };
+            let Some(next) = ladder::critical(self.sampler, &pair, sought) else { continue };
             if self.perturbed || (next.exact && next.value.is_exact_in(Precision::F32)) {
-                return Some((set, next));
+                return Some(next);
             }
             if found.as_ref().is_none_or(|f| next.exact && !f.exact) {
                 found = Some(next);
             }
         }
-        found.map(|critical| (set, critical))
+        found
     }
 
     /// Random moves: of the order of a tolerance, or of a few steps of a number format.

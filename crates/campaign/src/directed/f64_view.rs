@@ -1,5 +1,6 @@
 //! The pair as f64 sees it: good enough to choose which features to aim at, never to decide anything.
 
+use super::remembered::Remembered;
 use crate::families::PairSampler;
 use rockproof_model::decision::Side;
 use rockproof_model::number::split_f64;
@@ -70,6 +71,14 @@ pub(crate) struct F64View<'p> {
     magnitude: f64,
     /// How far B has been moved.
     shift: F64Vector,
+    /// Of a vertex of each side and a face of the other: [`F64View::above_face`].
+    above_faces: [Remembered<(f64, f64)>; 2],
+}
+
+/// Nothing known yet of vertices above faces.
+fn above_faces(a: &Block, b: &Block) -> [Remembered<(f64, f64)>; 2] {
+    let known = |own: &Block, other: &Block| Remembered::new(own.vertices().len(), other.topology().faces().len());
+    [known(a, b), known(b, a)]
 }
 
 /// How many features are drawn for each one chosen.
@@ -79,12 +88,12 @@ impl<'p> F64View<'p> {
     pub(crate) fn of(a: &'p Block, b: &'p Block) -> F64View<'p> {
         let halves = [F64Block::of(a), F64Block::of(b)];
         let magnitude = halves.iter().flat_map(|h| h.points.iter().flatten()).fold(0.0f64, |m, c| m.max(c.abs()));
-        F64View { a, b, halves: Rc::new(halves), magnitude, shift: [0.0; 3] }
+        F64View { a, b, halves: Rc::new(halves), magnitude, shift: [0.0; 3], above_faces: above_faces(a, b) }
     }
 
     /// The pair with B moved.
     pub(crate) fn moved(&self, shift: F64Vector) -> F64View<'p> {
-        F64View { halves: Rc::clone(&self.halves), shift, ..*self }
+        F64View { halves: Rc::clone(&self.halves), shift, above_faces: above_faces(self.a, self.b), ..*self }
     }
 
     fn placed(&self, side: Side, point: F64Vector) -> F64Vector {
@@ -160,7 +169,8 @@ impl<'p> F64View<'p> {
             sampler,
             |sampler| Some((VertexId(sampler.below(vertices) as u32), FaceId(sampler.below(faces) as u32))),
             |&(v, f)| {
-                let (gap, outside) = self.above_face(side, v, f);
+                let known = &self.above_faces[side as usize];
+                let (gap, outside) = known.get(v.index(), f.index(), || self.above_face(side, v, f));
                 gap.abs() + outside
             },
         )
@@ -230,7 +240,10 @@ impl<'p> F64View<'p> {
         distance: impl Fn(&T) -> f64,
     ) -> Option<T> {
         let mut best: Option<(f64, T)> = None;
-        for _ in 0..DRAWS {
+        // Hand-counted: this crate is compiled with little optimisation, and a range would cost as much as a draw.
+        let mut left = DRAWS;
+        while left > 0 {
+            left -= 1;
             let Some(drawn) = draw(sampler) else { continue };
             let d = distance(&drawn);
             if best.as_ref().is_none_or(|(least, _)| d < *least) {

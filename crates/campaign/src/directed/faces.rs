@@ -12,6 +12,7 @@ use num_traits::One;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::tolerance::LAMBDA_INVERSE;
 use rockproof_model::{Criteria, EdgeId, FaceId, Number, VertexId};
+use std::rc::Rc;
 
 /// A vertex over a face at a gap of exactly 0, s or −g, or over one of its sides.
 pub(super) fn vertex_face(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Predicate) -> Option<Aim> {
@@ -222,8 +223,8 @@ pub(crate) struct Corner {
     pub(crate) side: Side,
     pub(crate) vertex: VertexId,
     owner: VertexId,
-    /// The faces of the corner that the vertex's cone passes: the true exits, or all if none is.
-    pub(crate) faces: Vec<FaceId>,
+    /// The faces of the corner that are ways in: [`DirectedPair::ways_in`].
+    pub(crate) faces: Rc<[FaceId]>,
 }
 
 impl Corner {
@@ -233,12 +234,7 @@ impl Corner {
             let (va, vb) = pair.f64_view.vertex_vertex(sampler)?;
             let side = side(sampler);
             let (vertex, owner) = if side == Side::A { (va, vb) } else { (vb, va) };
-            let all = pair.f64_view.block(side.other()).topology().vertex_faces(owner).iter().copied();
-            let mut faces: Vec<FaceId> = all.filter(|&f| pair.cone_passes((side, vertex), f, None)).collect();
-            // The choice is among the true exits, where there is one.
-            if faces.iter().any(|&f| pair.cone_leaves((side, vertex), f)) {
-                faces.retain(|&f| pair.cone_leaves((side, vertex), f));
-            }
+            let faces = pair.ways_in((side, vertex), owner);
             (faces.len() >= least).then_some(Corner { side, vertex, owner, faces })
         })
     }

@@ -2,7 +2,7 @@
 
 use super::coordinator::{CaseDone, Examined, Request};
 use super::message::{CaseReply, CaseState, CaseTask, FoundRows, UnitResult};
-use crate::case_writer::{CaseCounts, CaseFiles, MadeFiles, write_cases};
+use crate::case_writer::{CaseCounts, CaseFiles, MadeFiles, each, write_cases};
 use crate::cases::{CaseFile, case_request, step_case_request};
 use crate::engine_counts;
 use crate::examiner::{Chosen, Counts, Examiner};
@@ -142,12 +142,23 @@ impl Examiner for Remote<'_> {
         let findings: Vec<Decoded<FindingRow>> = decoded(&found.findings, false)?;
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let make = |granted: &[&Decoded<FindingRow>]| remote.made(granted);
-        let kept = write_cases(&findings, |one| case_request(&one.row), campaign.most_cases(), counts, make)?;
+        let kept = write_cases(
+            &findings,
+            each(|one: &Decoded<FindingRow>| case_request(&one.row)),
+            campaign.most_cases(),
+            counts,
+            make,
+        )?;
         let steps: Vec<Decoded<StepFindingRow>> = decoded(&found.steps, true)?;
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let make = |granted: &[&Decoded<StepFindingRow>]| remote.made(granted);
-        let kept_steps =
-            write_cases(&steps, |one| step_case_request(&one.row), campaign.most_step_cases(), counts, make)?;
+        let kept_steps = write_cases(
+            &steps,
+            each(|one: &Decoded<StepFindingRow>| step_case_request(&one.row)),
+            campaign.most_step_cases(),
+            counts,
+            make,
+        )?;
         if self.abandoned.get() {
             return Ok(None);
         }

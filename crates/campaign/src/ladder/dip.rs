@@ -96,24 +96,30 @@ pub(super) fn shallow_wedge_dips(
     (ea, eb): (EdgeId, EdgeId),
     sine: Option<&BigRational>,
 ) -> Option<Vec<Dip>> {
-    let n = exact.perpendicular(ea, eb);
-    let mut dips = Vec::new();
-    for (side, edge) in [(Side::A, ea), (Side::B, eb)] {
+    let n = exact.direction(Side::A, ea).cross(&exact.direction(Side::B, eb));
+    let over_faces = [(Side::A, ea), (Side::B, eb)].map(|(side, edge)| {
         let e = exact.edge(side, edge);
-        for face in [e.left, e.right] {
+        [e.left, e.right].map(|face| {
             let m = exact.inward(side, edge, face);
-            let rise = n.dot(&m);
-            if rise.is_zero() || rise.is_negative() == (side == Side::B) {
-                continue;
-            }
-            let (squared, norms) = (&rise * &rise, n.norm_squared() * m.norm_squared());
-            if sine.is_some_and(|sine| &squared * sine.denom().pow(2) > &norms * sine.numer().pow(2)) {
-                return None;
-            }
-            let (width, over) = width_squared(exact, side, edge, face);
-            let depth = exact.square_metres(&(&squared * width), &(&norms * over));
-            dips.push(Dip { sine: fraction(squared, norms), depth });
+            (side, edge, face, n.dot(&m), m)
+        })
+    });
+    // The common perpendicular is n or −n: σ of SPEC section 4.
+    let [of_a, of_b] = over_faces.each_ref().map(|[(.., left, _), (.., right, _)]| left + right);
+    let is_turned = of_a < of_b;
+    let across = n.norm_squared();
+    let mut dips = Vec::new();
+    for (side, edge, face, rise, m) in over_faces.into_iter().flatten() {
+        if rise.is_zero() || (rise.is_negative() != is_turned) == (side == Side::B) {
+            continue;
         }
+        let (squared, norms) = (&rise * &rise, &across * m.norm_squared());
+        if sine.is_some_and(|sine| &squared * sine.denom().pow(2) > &norms * sine.numer().pow(2)) {
+            return None;
+        }
+        let (width, over) = width_squared(exact, side, edge, face);
+        let depth = exact.square_metres(&(&squared * width), &(&norms * over));
+        dips.push(Dip { sine: fraction(squared, norms), depth });
     }
     Some(dips)
 }

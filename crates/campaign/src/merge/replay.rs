@@ -2,7 +2,7 @@
 
 use super::parts::{MergeError, Parts};
 use super::rows::{Numbered, Rows};
-use crate::case_writer::{CaseCounts, CaseFiles, in_threads, write_cases};
+use crate::case_writer::{CaseCounts, CaseFiles, each_in_threads, in_threads, write_cases};
 use crate::cases::{CaseFile, case_request, step_case_request};
 use crate::engine_counts::{self, EngineSums};
 use crate::journal::{CampaignProgress, FINDINGS, Journal, NO_CASE, NewRows, STEP_FINDINGS};
@@ -140,7 +140,7 @@ impl Campaign<'_> {
         };
         let kept = write_cases(
             &chunk.findings,
-            |found| case_request(&found.row),
+            each_in_threads(|found: &Numbered<FindingRow>| case_request(&found.row)),
             self.most_cases(),
             counts,
             in_threads(case),
@@ -154,7 +154,7 @@ impl Campaign<'_> {
         };
         let kept_steps = write_cases(
             &chunk.steps,
-            |found| step_case_request(&found.row),
+            each_in_threads(|found: &Numbered<StepFindingRow>| step_case_request(&found.row)),
             self.most_step_cases(),
             counts,
             in_threads(case),
