@@ -12,9 +12,10 @@ mod ball;
 mod tests;
 
 use self::ball::Ball;
+use crate::contact::asked;
 use crate::real::Real;
 use crate::wide::Wide;
-use rockproof_model::Number;
+use rockproof_model::{ContactKey, Number};
 use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -181,9 +182,13 @@ impl Deferred {
         }
     }
 
+    /// The number in [`Wide`]; any, where nothing that comes of it is of use.
     #[cold]
     fn wide(self) -> Wide {
-        NOTES.with_borrow_mut(|notes| if notes.is_full { Wide::of_f64(f64::NAN) } else { notes.wide(self.operand()) })
+        let is_of_use = !crate::wide::is_given_up();
+        NOTES.with_borrow_mut(|notes| {
+            if is_of_use && !notes.is_full { notes.wide(self.operand()) } else { Wide::of_f64(f64::NAN) }
+        })
     }
 }
 
@@ -289,5 +294,11 @@ impl Real for Deferred {
     }
     fn is_given_up() -> bool {
         crate::wide::is_given_up() || is_full()
+    }
+    fn leaves_out(contact: ContactKey) -> bool {
+        asked::leaves_out(contact)
+    }
+    fn leaves_exits_out() -> bool {
+        asked::leaves_exits_out()
     }
 }

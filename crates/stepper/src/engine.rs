@@ -1,6 +1,9 @@
 //! A stepper with its rules, as something that classifies blocks.
 
-use crate::contact::{Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_keeping};
+use crate::contact::asked::asking;
+use crate::contact::{
+    ClassificationRequest, Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_keeping,
+};
 use crate::deferred::{Deferred, noted};
 use crate::real::Real;
 use crate::wide::{Wide, count_unsettled, settled};
@@ -112,6 +115,53 @@ pub fn settled_contacts<M: ContactRules>(
 ) -> Result<Option<Vec<Contact>>, EngineError> {
     let sooner = noted(|| settled(|| contacts_in::<Deferred, M>(a, b, t)));
     sooner.unwrap_or_else(|| settled(|| contacts_in::<Wide, M>(a, b, t))).transpose()
+}
+
+/// A contact that is asked for, and what it is where it is as expected; `None` where there should be none.
+pub type ExpectedContact = (ContactKey, Option<Contact>);
+
+/// Those of the contacts asked for that [`settled_contacts`] has otherwise than expected; none where a comparison is unsettled.
+///
+/// That is found out sooner than by all contacts: those asked for are tested first, by themselves. If a comparison of theirs is unsettled, so is
+/// one of the whole. If they come out as expected and no exit can take them away, nothing departs, whatever becomes of the others.
+///
+/// # Errors
+/// As [`wide_contacts`].
+pub fn settled_departures<M: ContactRules>(
+    a: &Block,
+    b: &Block,
+    t: &ToleranceSet,
+    expected: &[ExpectedContact],
+) -> Result<Vec<ContactKey>, EngineError> {
+    let sooner = noted(|| settled(|| departures_in_turn::<M>(a, b, t, expected)));
+    let all = || settled(|| Ok(departures(&contacts_in::<Wide, M>(a, b, t)?, expected)));
+    sooner.unwrap_or_else(all).unwrap_or(Ok(Vec::new()))
+}
+
+fn departures_in_turn<M: ContactRules>(
+    a: &Block,
+    b: &Block,
+    t: &ToleranceSet,
+    expected: &[ExpectedContact],
+) -> Result<Vec<ContactKey>, EngineError> {
+    let (a, b, t) = (PreparedBlock::new(a)?, PreparedBlock::new(b)?, Tolerances::<Deferred>::new(t)?);
+    let classified =
+        || M::contacts(ClassificationRequest::<Deferred> { a: &a, b: &b, tolerances: &t, kept: &[], among: None });
+    let alone = asking(expected.iter().map(|(key, _)| *key).collect(), classified);
+    let is_as_expected = |(key, contact): &ExpectedContact| {
+        let found = alone.iter().find(|found| found.contact.key == *key);
+        found.map(|found| found.contact) == *contact && found.is_none_or(|found| !M::overlaps(found.gap))
+    };
+    if Deferred::is_given_up() || expected.iter().all(is_as_expected) {
+        return Ok(Vec::new());
+    }
+    let contacts: Vec<Contact> = classified().into_iter().map(|found| found.contact).collect();
+    Ok(departures(&contacts, expected))
+}
+
+fn departures(contacts: &[Contact], expected: &[ExpectedContact]) -> Vec<ContactKey> {
+    let find = |key: ContactKey| contacts.iter().find(|contact| contact.key == key).copied();
+    expected.iter().filter(|(key, contact)| find(*key) != *contact).map(|(key, _)| *key).collect()
 }
 
 /// Prepares and classifies a pair in one precision, in a step in which the contacts `kept` go on whatever their depth.

@@ -2,7 +2,7 @@
 
 use crate::contact::CompiledContacts;
 use crate::wide::Wide;
-use rockproof_model::{Number, Precision};
+use rockproof_model::{ContactKey, Number, Precision};
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -89,6 +89,18 @@ pub trait Real:
     /// [`crate::wide::settled`]. Never so for floats.
     #[inline(always)]
     fn is_given_up() -> bool {
+        false
+    }
+
+    /// Whether this contact is not asked for, since a few are asked alone. Never so for floats.
+    #[inline(always)]
+    fn leaves_out(_contact: ContactKey) -> bool {
+        false
+    }
+
+    /// Whether exits are not asked for, likewise.
+    #[inline(always)]
+    fn leaves_exits_out() -> bool {
         false
     }
 }

@@ -125,6 +125,9 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
                 if R::is_given_up() {
                     return;
                 }
+                if R::leaves_out(ContactKey::VertexVertex(v, w)) {
+                    continue;
+                }
                 self.vertex_vertex(v, w, Planes::ALL);
             }
         }
@@ -137,7 +140,11 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
                 if R::is_given_up() {
                     return;
                 }
-                if !bounds.is_beyond(own.vertex(v).at, self.t.reach) {
+                let contact = match side {
+                    Side::A => ContactKey::VertexEdge(v, e),
+                    Side::B => ContactKey::EdgeVertex(e, v),
+                };
+                if !R::leaves_out(contact) && !bounds.is_beyond(own.vertex(v).at, self.t.reach) {
                     self.vertex_edge(side, v, e, Planes::ALL);
                 }
             }
@@ -153,9 +160,15 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
                 if R::is_given_up() {
                     return;
                 }
-                self.vertex_face(side, v, f, Planes::ALL);
+                let contact = match side {
+                    Side::A => ContactKey::VertexFace(v, f),
+                    Side::B => ContactKey::FaceVertex(f, v),
+                };
+                if !R::leaves_out(contact) {
+                    self.vertex_face(side, v, f, Planes::ALL);
+                }
             }
-            if exits && self.hits.len() > first + 1 {
+            if exits && self.hits.len() > first + 1 && !R::leaves_exits_out() {
                 self.shortest_exit(side, first);
             }
         }
@@ -167,7 +180,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
                 if R::is_given_up() {
                     return;
                 }
-                if !bounds.beyond(other, reach) {
+                if !R::leaves_out(ContactKey::EdgeEdge(*e, *f)) && !bounds.beyond(other, reach) {
                     self.edge_edge(*e, *f, Planes::ALL);
                 }
             }
@@ -176,7 +189,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     fn finish(mut self) -> Vec<ComputedContact<R>> {
         self.hits.sort_unstable_by_key(|hit| hit.contact);
-        if M::one_exit_applies(self.both_convex()) {
+        if M::one_exit_applies(self.both_convex()) && !R::leaves_exits_out() {
             self.one_exit();
         }
         self.hits.iter().map(|&ExitCandidate { contact, gap, .. }| ComputedContact { contact, gap }).collect()

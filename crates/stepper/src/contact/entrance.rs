@@ -70,6 +70,9 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Makes a plane a candidate if it passes, or is known to.
     #[inline(always)]
     pub(super) fn offer(&mut self, plane: Plane, known: KnownPlane) {
+        if R::is_given_up() {
+            return;
+        }
         match plane {
             Plane::VertexFace(side, v, f) => self.offer_vertex_face(side, v, f, known),
             Plane::EdgeEdge(e, f) => self.offer_edge_edge(e, f, known),

@@ -1,5 +1,6 @@
 //! Contact classification (SPEC section 4): one file a pair of features, the same names as in the oracle.
 
+pub(crate) mod asked;
 pub mod broad;
 mod classify;
 mod compiled;

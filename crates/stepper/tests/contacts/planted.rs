@@ -6,10 +6,11 @@ use crate::pairs::{
     beak, behind_side, beside_edge, blade, block, classic, corner_block, cuboid, keel, long_ridge, n, prism, ridge,
     shifted_keel, spike, tetrahedron, tolerances, turned_cuboid, undercut,
 };
-use rockproof_model::{Block, ContactKey, ContactKind, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, ContactKind, ToleranceSet};
 use rockproof_stepper::contact::SpecRules;
-use rockproof_stepper::engine::contacts_keeping;
+use rockproof_stepper::engine::{ExpectedContact, contacts_keeping};
 use rockproof_stepper::{Classifier, Stepper, Wide};
+use std::collections::BTreeSet;
 
 type Case = (&'static str, Block, Block, ToleranceSet);
 
@@ -233,6 +234,41 @@ fn every_mistake_about_kept_contacts_changes_an_answer() {
         });
         assert!(notices, "no pair notices: {name}");
     }
+}
+
+/// Contacts that are looked for first, by themselves, depart where they do in the whole answer, whichever rule is wrong.
+#[test]
+fn what_departs_is_what_departs_from_the_whole_answer() {
+    let right = Stepper::<SpecRules>::new();
+    let (mut departing, mut as_expected, mut unsettled) = (0, 0, 0);
+    for (pair, a, b, t) in &bank() {
+        let (exact, near) = (right.wide(a, b, t).unwrap().0, right.f64(a, b, t).unwrap());
+        for (name, engine) in mistakes::all() {
+            let said = engine.f64(a, b, t).unwrap();
+            if said == near {
+                continue;
+            }
+            let find = |answer: &[Contact], key: ContactKey| answer.iter().find(|c| c.key == key).copied();
+            let keys: BTreeSet<ContactKey> = exact.iter().chain(&said).map(|contact| contact.key).collect();
+            let expected: Vec<ExpectedContact> = keys.into_iter().map(|key| (key, find(&exact, key))).collect();
+            let whole = engine.settled(a, b, t).unwrap();
+            let departs =
+                |(key, contact): &&ExpectedContact| whole.as_ref().is_some_and(|whole| find(whole, *key) != *contact);
+            let plain: Vec<ContactKey> = expected.iter().filter(departs).map(|(key, _)| *key).collect();
+            assert_eq!(engine.departures(a, b, t, &expected).unwrap(), plain, "{name} on {pair}");
+            for one in &expected {
+                let alone = engine.departures(a, b, t, std::slice::from_ref(one)).unwrap();
+                assert_eq!(alone.is_empty(), !plain.contains(&one.0), "{name} on {pair}: {one:?}");
+                match &whole {
+                    None => unsettled += 1,
+                    Some(_) if alone.is_empty() => as_expected += 1,
+                    Some(_) => departing += 1,
+                }
+            }
+        }
+    }
+    let all = [departing, as_expected, unsettled];
+    assert!(all.into_iter().all(|count| count > 100), "{all:?}: departing, as expected, unsettled");
 }
 
 #[test]

@@ -10,7 +10,7 @@ mod mistaken_rules;
 use Mistake::*;
 use mistaken_rules::MistakenRules;
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
-use rockproof_stepper::engine::contacts_keeping;
+use rockproof_stepper::engine::{ExpectedContact, contacts_keeping, settled_contacts, settled_departures};
 use rockproof_stepper::{Classifier, EngineError, Real, Stepper};
 use std::cell::Cell;
 
@@ -159,6 +159,24 @@ impl Mistaken {
         kept: &[ContactKey],
     ) -> Result<Vec<Contact>, EngineError> {
         self.planted(|_| contacts_keeping::<R, MistakenRules>(a, b, t, kept))
+    }
+}
+
+impl Mistaken {
+    /// The contacts where every comparison is settled.
+    pub(crate) fn settled(self, a: &Block, b: &Block, t: &ToleranceSet) -> Result<Option<Vec<Contact>>, EngineError> {
+        self.planted(|_| settled_contacts::<MistakenRules>(a, b, t))
+    }
+
+    /// Those that are otherwise than expected, likewise.
+    pub(crate) fn departures(
+        self,
+        a: &Block,
+        b: &Block,
+        t: &ToleranceSet,
+        expected: &[ExpectedContact],
+    ) -> Result<Vec<ContactKey>, EngineError> {
+        self.planted(|_| settled_departures::<MistakenRules>(a, b, t, expected))
     }
 }
 
