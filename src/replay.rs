@@ -15,6 +15,7 @@ use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, catch
 use rockproof_differential::explain::{DivergentDecision, divergent_decisions};
 use rockproof_differential::external::protocol::completed;
 use rockproof_differential::finding::Cause;
+use rockproof_differential::indexed_trace::IndexedTrace;
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_model::{Contact, Precision, ToleranceSet};
 use serde_json::{Value, json};
@@ -162,7 +163,7 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Diverge
                     roundoff,
                     margins: &dyn Fn(&[_]) -> Vec<Option<f64>>| {
         let (Some(before), Some(after)) = (&one.trace, &other.trace) else { return };
-        let parted = divergent_decisions(before, after);
+        let parted = divergent_decisions(&IndexedTrace::of(before.clone()), after);
         if !parted.is_empty() {
             let decisions: Vec<_> = parted.iter().map(|p| p.decision).collect();
             partings.push(Divergence { title, margins: margins(&decisions), parted, roundoff });

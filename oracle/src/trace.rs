@@ -43,6 +43,17 @@ impl Pair<'_> {
         self.recording(tolerances, kept).entries.clone()
     }
 
+    /// What came of each decision of [`Pair::trace_keeping`], and where each is in that list.
+    pub fn outcomes_keeping(
+        &self,
+        tolerances: &ToleranceSet,
+        kept: &[ContactKey],
+    ) -> (Vec<(Decision, i8)>, DecisionIndex) {
+        let recording = self.recording(tolerances, kept);
+        let outcomes = recording.entries.iter().map(|entry| (entry.decision, entry.outcome)).collect();
+        (outcomes, recording.index.clone())
+    }
+
     /// The exact margins of several decisions, for the price of the margins themselves once [`Pair::trace`] was asked under the same
     /// tolerances; `None` for one that [`Pair::classify`] does not come to make, or that asks no sign of its own.
     pub fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<Margin>> {

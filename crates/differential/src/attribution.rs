@@ -18,11 +18,12 @@ use super::engine::{
 use super::explain::{ChainLink, explain, suspect};
 use super::external::protocol::completed;
 use super::finding::{Cause, DecidingDecision, Finding, FindingScope};
+use super::indexed_trace::IndexedTrace;
 use super::metamorphic;
 use super::separation_state::ReportedState;
 use super::subject::{Subject, SubjectSet};
 use super::transform::ExactBlocks;
-use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, Precision, ToleranceSet};
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -193,7 +194,7 @@ impl RoundedPair<'_> {
 pub(super) struct ExactSide<'p> {
     pair: Box<dyn ExactPair + 'p>,
     given: RefCell<Vec<(ToleranceSet, Rc<Vec<Contact>>)>>,
-    traced: RefCell<Vec<(ToleranceSet, Rc<Trace>)>>,
+    traced: RefCell<Vec<(ToleranceSet, Rc<IndexedTrace>)>>,
     levels: RefCell<Levels>,
 }
 
@@ -215,11 +216,11 @@ impl<'p> ExactSide<'p> {
     }
 
     /// The decisions behind them. Several links of the chain ask for those of one set.
-    fn trace(&self, tolerances: &ToleranceSet) -> Rc<Trace> {
+    fn trace(&self, tolerances: &ToleranceSet) -> Rc<IndexedTrace> {
         if let Some((_, trace)) = self.traced.borrow().iter().find(|(t, _)| classify_alike(t, tolerances)) {
             return Rc::clone(trace);
         }
-        let trace = Rc::new(self.pair.trace(tolerances));
+        let trace = Rc::new(self.pair.indexed_trace(tolerances));
         self.traced.borrow_mut().push((tolerances.clone(), Rc::clone(&trace)));
         trace
     }
@@ -502,10 +503,11 @@ impl<'p> Examiner<'p> {
         if !changed.is_empty() {
             // Asked after what it costs less to know.
             let wide = OnceCell::new();
-            let in_wide = || catch_panic(|| Ok(prepared.classify_wide(at.tolerances))).ok().flatten();
+            let expected = expected(&changed, at.rounded);
+            let in_wide = || catch_panic(|| Ok(prepared.departs_in_wide(at.tolerances, &expected))).ok().flatten();
             let link = ChainLink {
                 before: &|| Some(side.trace(at.tolerances)),
-                after: &|| catch_panic(|| Ok(prepared.trace(at.tolerances))).ok().flatten().map(Rc::new),
+                after: &|| engine_trace(prepared, at.tolerances).map(IndexedTrace::of).map(Rc::new),
                 margins: &|decisions| side.pair.margins(at.tolerances, decisions),
                 roundoff: Some(at.engine.precision().epsilon() / 2.0),
             };
@@ -516,10 +518,8 @@ impl<'p> Examiner<'p> {
                 if self.wanted.is_some_and(|wanted| !wanted.includes_decided_by(deciding.as_ref())) {
                     continue;
                 }
-                let remains = wide
-                    .get_or_init(in_wide)
-                    .as_ref()
-                    .is_some_and(|wide| wide.settled && answers_differ(at.rounded, &wide.contacts, &difference));
+                let departing = wide.get_or_init(in_wide).as_ref();
+                let remains = departing.is_some_and(|departing| difference.keys().any(|key| departing.contains(&key)));
                 let cause = if remains { Cause::Defect } else { at.engine.cause() };
                 self.report(at.set, FindingScope::Engine(at.engine.name().into()), cause, difference, deciding);
             }
@@ -582,8 +582,14 @@ fn compared<'x>(subject: &'x Subject, set: &'x SubjectSet, span: ChainSpan, engi
 
 /// Whether two answers differ in the contacts a difference is about.
 pub(super) fn answers_differ(one: &[Contact], other: &[Contact], about: &Difference) -> bool {
-    let find = |answer: &[Contact], c: Contact| answer.iter().find(|x| x.key == c.key).copied();
-    [about.before, about.after].into_iter().flatten().any(|c| find(one, c) != find(other, c))
+    let find = |answer: &[Contact], key: ContactKey| answer.iter().find(|contact| contact.key == key).copied();
+    about.keys().any(|key| find(one, key) != find(other, key))
+}
+
+/// What an exact answer has in the places of differences.
+pub(super) fn expected(differences: &[Difference], exact: &[Contact]) -> Vec<(ContactKey, Option<Contact>)> {
+    let keys = differences.iter().flat_map(Difference::keys);
+    keys.map(|key| (key, exact.iter().find(|contact| contact.key == key).copied())).collect()
 }
 
 /// The trace of an engine as a list, for callers that show it.

@@ -6,11 +6,12 @@ use super::engine::{
     Engine, EngineFailure, ExactAnswer, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, WideAnswer,
 };
 use super::finding::{Finding, FindingScope};
+use super::indexed_trace::IndexedTrace;
 use rockproof_model::decision::Decision;
-use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, Precision, ToleranceSet};
 
 use rockproof_stepper::contact::{ContactRules, PreparedBlock, SpecRules, Tolerances, classify, classify_traced};
-use rockproof_stepper::engine::settled_contacts;
+use rockproof_stepper::engine::{ExpectedContact, settled_contacts, settled_departures};
 use rockproof_stepper::{Collapsed, Real};
 use std::marker::PhantomData;
 
@@ -80,6 +81,10 @@ impl<R: Real, M: ContactRules> Prepared for StepperPair<R, M> {
             settled: true,
         }))
     }
+
+    fn departs_in_wide(&self, tolerances: &ToleranceSet, expected: &[ExpectedContact]) -> Option<Vec<ContactKey>> {
+        settled_departures::<M>(self.a.block(), self.b.block(), tolerances, expected).ok()
+    }
 }
 
 /// The oracle.
@@ -113,10 +118,12 @@ impl ExactPair for rockproof_oracle::Pair<'_> {
     }
 
     fn trace(&self, tolerances: &ToleranceSet) -> Trace {
-        rockproof_oracle::Pair::trace(self, tolerances)
-            .into_iter()
-            .map(|entry| (entry.decision, entry.outcome))
-            .collect()
+        self.outcomes_keeping(tolerances, &[]).0
+    }
+
+    fn indexed_trace(&self, tolerances: &ToleranceSet) -> IndexedTrace {
+        let (decisions, index) = self.outcomes_keeping(tolerances, &[]);
+        IndexedTrace::with_index(decisions, index)
     }
 
     fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>> {

@@ -1,7 +1,7 @@
 //! What changed between two answers for the same pair (SPEC section 6).
 
 use rockproof_model::decision::{Feature, Side};
-use rockproof_model::{Contact, Topology, VertexId};
+use rockproof_model::{Contact, ContactKey, Topology, VertexId};
 
 rockproof_model::named_enum! {
     /// How an answer changed.
@@ -79,6 +79,11 @@ impl Difference {
     /// The contact the difference is about: the first answer's, or else the second's.
     pub fn contact(&self) -> Option<Contact> {
         self.before.or(self.after)
+    }
+
+    /// The features of the contacts that it is about.
+    pub(crate) fn keys(&self) -> impl Iterator<Item = ContactKey> + use<> {
+        [self.before, self.after].into_iter().flatten().map(|contact| contact.key)
     }
 
     /// The kind of that contact, or `v-v to v-e` where the kind is what changed; empty where it is about no contact.

@@ -5,9 +5,10 @@
 
 use super::compare::AnswerChange;
 use super::finding::Cause;
+use super::indexed_trace::IndexedTrace;
 use super::separation_state::ReportedState;
 use rockproof_model::decision::Decision;
-use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, Precision, ToleranceSet};
 use serde::{Deserialize, Serialize};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -156,6 +157,19 @@ pub trait Prepared {
 
     /// The answer of the same code with a scalar of several hundred bits, or `None` for an engine without one.
     fn classify_wide(&self, tolerances: &ToleranceSet) -> Option<WideAnswer>;
+
+    /// Those of the contacts asked for that [`Prepared::classify_wide`] has otherwise than expected, which is `None` where there should be no
+    /// such contact; none where its answer is not settled.
+    fn departs_in_wide(
+        &self,
+        tolerances: &ToleranceSet,
+        expected: &[(ContactKey, Option<Contact>)],
+    ) -> Option<Vec<ContactKey>> {
+        let wide = self.classify_wide(tolerances)?;
+        let find = |key: ContactKey| wide.contacts.iter().find(|contact| contact.key == key).copied();
+        let departs = |(key, contact): &&(ContactKey, Option<Contact>)| wide.settled && find(*key) != *contact;
+        Some(expected.iter().filter(departs).map(|(key, _)| *key).collect())
+    }
 }
 
 /// What an engine's code answers when rounding is all but taken away.
@@ -225,8 +239,13 @@ pub trait ExactPair {
     /// The exact contacts, sorted as SPEC section 4 asks.
     fn classify(&self, tolerances: &ToleranceSet) -> ExactAnswer;
 
-    /// The exact decisions behind the answer.
+    /// The exact decisions behind the answer, each once.
     fn trace(&self, tolerances: &ToleranceSet) -> Trace;
+
+    /// The same in a form in which decisions are found.
+    fn indexed_trace(&self, tolerances: &ToleranceSet) -> IndexedTrace {
+        IndexedTrace::of(self.trace(tolerances))
+    }
 
     /// The exact margins of decisions: value over the sum of the magnitudes of its terms (between −1 and 1, **0 is a
     /// tie**). `None` for a decision that is not a comparison, or that the oracle does not come to make.

@@ -3,8 +3,8 @@
 use super::compare::{Difference, Features};
 use super::engine::Trace;
 use super::finding::{DecidingDecision, FAR};
+use super::indexed_trace::IndexedTrace;
 use rockproof_model::decision::{Decision, Feature, Side};
-use rockproof_model::decision_index::DecisionIndex;
 use rockproof_model::{Contact, VertexId};
 use std::collections::{BTreeSet, HashMap};
 use std::rc::Rc;
@@ -12,9 +12,9 @@ use std::rc::Rc;
 /// The two sides of a link of the chain, asked only when there is something to explain.
 pub struct ChainLink<'x> {
     /// The decisions on the side of the first answer.
-    pub before: &'x dyn Fn() -> Option<Rc<Trace>>,
+    pub before: &'x dyn Fn() -> Option<Rc<IndexedTrace>>,
     /// The decisions on the side of the second answer.
-    pub after: &'x dyn Fn() -> Option<Rc<Trace>>,
+    pub after: &'x dyn Fn() -> Option<Rc<IndexedTrace>>,
     /// The exact relative margins of decisions.
     pub margins: &'x dyn Fn(&[Decision]) -> Vec<Option<f64>>,
     /// Half the eps of the precision that changed the answer, if one did.
@@ -31,19 +31,15 @@ pub struct DivergentDecision {
 }
 
 /// The decisions taken on both sides with different outcomes, in the order of the second trace.
-pub fn divergent_decisions(before: &Trace, after: &Trace) -> Vec<DivergentDecision> {
-    let mut known = DecisionIndex::with_room(before.len());
-    let at = |place: usize| &before[place].0;
-    // Of one that was taken more than once the last counts.
-    for (place, (decision, _)) in before.iter().enumerate().rev() {
-        known.add(decision, place, at);
-    }
+pub fn divergent_decisions(before: &IndexedTrace, after: &Trace) -> Vec<DivergentDecision> {
     let mut found: Vec<DivergentDecision> = Vec::new();
+    // Both sides take most decisions in the same order.
+    let mut next = 0;
     for (decision, outcome) in after {
-        if let Some(was) = known.find(decision, at).map(|place| before[place].1)
-            && was != *outcome
-            && found.iter().all(|p| p.decision != *decision)
-        {
+        let Some(place) = before.find(decision, next) else { continue };
+        next = place + 1;
+        let was = before.decisions()[place].1;
+        if was != *outcome && found.iter().all(|p| p.decision != *decision) {
             found.push(DivergentDecision { decision: *decision, outcomes: [was, *outcome] });
         }
     }
@@ -60,7 +56,7 @@ pub fn explain(
 ) -> Vec<Option<DecidingDecision>> {
     let traces = (link.before)().and_then(|before| Some((before, (link.after)()?)));
     let Some((before, after)) = traces else { return vec![None; differences.len()] };
-    let parted = divergent_decisions(&before, &after);
+    let parted = divergent_decisions(&before, after.decisions());
     // What parted around each difference, or everything that parted where that is nothing.
     let near: Vec<Vec<usize>> = differences
         .iter()
@@ -114,7 +110,7 @@ pub fn suspect(
         .map(|difference| {
             let place = DifferenceVertices::of(difference, features);
             let (near, outcomes): (Vec<Decision>, Vec<i8>) =
-                trace.iter().copied().filter(|(decision, _)| place.touches(decision, features)).unzip();
+                trace.decisions().iter().copied().filter(|(decision, _)| place.touches(decision, features)).unzip();
             let margins = (link.margins)(&near);
             let known = margins.iter().enumerate().filter_map(|(i, margin)| Some((i, (*margin)?)));
             let (i, margin) = known.reduce(|best, next| if next.1.abs() < best.1.abs() { next } else { best })?;
@@ -186,8 +182,8 @@ mod tests {
         let gone = Contact { key: ContactKey::VertexVertex(VertexId(0), VertexId(0)), entrance, gap: Sign::Negative };
         let difference = Difference { change: AnswerChange::Missing, before: Some(gone), after: None };
         let link = ChainLink {
-            before: &|| Some(Rc::new(vec![(elsewhere, 0), (here, 1)])),
-            after: &|| Some(Rc::new(vec![(elsewhere, 1), (here, 0)])),
+            before: &|| Some(Rc::new(IndexedTrace::of(vec![(elsewhere, 0), (here, 1)]))),
+            after: &|| Some(Rc::new(IndexedTrace::of(vec![(elsewhere, 1), (here, 0)]))),
             margins: &|decisions| decisions.iter().map(|d| Some(if *d == here { 0.5 } else { chosen })).collect(),
             roundoff,
         };

@@ -15,6 +15,7 @@ pub mod explain;
 pub mod external;
 pub mod finding;
 pub mod hull;
+pub mod indexed_trace;
 pub mod lockstep;
 pub mod metamorphic;
 pub mod motion;

@@ -5,13 +5,15 @@
 //! Where SPEC breaks ties by the order of features, an exchange or another numbering may change an entrance. The oracle
 //! goes through the same check, and what changes in its answer is allowed to change in the same way in the engine's.
 
-use super::attribution::{WantedFindings, answers_differ, engine_trace};
+use super::attribution::{WantedFindings, answers_differ, engine_trace, expected};
 use super::compare::{AnswerChange, Difference, Features, differences};
-use super::engine::{Engine, Oracle, Prepared, WideAnswer, catch_panic};
+use super::engine::{Engine, Oracle, Prepared, catch_panic};
 use super::explain::{ChainLink, explain};
 use super::finding::{Cause, DecidingDecision};
+use super::indexed_trace::IndexedTrace;
 use super::transform::{ExactBlocks, Transform, Transformed};
 use rockproof_model::{Block, Contact, Number, Point, Precision, ToleranceSet};
+use std::cell::OnceCell;
 use std::rc::Rc;
 
 /// The answers a check starts from: one engine, one pair rounded to its precision, one tolerance set.
@@ -90,11 +92,23 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
     let features = Features { a: base.blocks[0].topology(), b: base.blocks[1].topology() };
     let solids = base.oracle.prepare(a, b);
     let pair = solids.pair();
-    let exact = other.back(&pair.classify(&tolerances).contacts);
+    let turned = pair.classify(&tolerances).contacts;
+    let exact = other.back(&turned);
     let allowed = differences(base.exact, &exact, features);
     let key = |d: &Difference| d.contact().map(|c| c.key);
-    let mut wide: Option<Option<[WideAnswer; 2]>> = None;
-    for difference in differences(base.contacts, &answer, features) {
+    let changed = differences(base.contacts, &answer, features);
+    // A defect is what differs from the oracle, before the change or after, although nothing was close: that the two wide answers differ is no
+    // defect where the order of features breaks an exact tie.
+    let departing = OnceCell::new();
+    let in_wide = || {
+        let departs = |prepared: &dyn Prepared, tolerances: &ToleranceSet, expected: &[_]| {
+            catch_panic(|| Ok(prepared.departs_in_wide(tolerances, expected))).ok().flatten()
+        };
+        let there = changed.iter().map(|difference| other.forth(difference)).collect::<Vec<_>>();
+        let here = departs(base.prepared, base.tolerances, &expected(&changed, base.exact))?;
+        Some([here, departs(&*prepared, &tolerances, &expected(&there, &turned))?])
+    };
+    for &difference in &changed {
         if !base.wants(change, &difference) {
             continue;
         }
@@ -106,17 +120,10 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
         if base.wanted.is_some_and(|wanted| !wanted.includes_decided_by(deciding.as_ref())) {
             continue;
         }
-        let wide = wide.get_or_insert_with(|| {
-            let here = catch_panic(|| Ok(base.prepared.classify_wide(base.tolerances))).ok().flatten()?;
-            let mut there = catch_panic(|| Ok(prepared.classify_wide(&tolerances))).ok().flatten()?;
-            there.contacts = other.back(&there.contacts);
-            Some([here, there])
+        let remains = departing.get_or_init(in_wide).as_ref().is_some_and(|[here, there]| {
+            difference.keys().any(|key| here.contains(&key))
+                || other.forth(&difference).keys().any(|key| there.contains(&key))
         });
-        // A defect is what differs from the oracle, before the change or after, although nothing was close: that the
-        // two wide answers differ is no defect where the order of features breaks an exact tie.
-        let wrong =
-            |said: &WideAnswer, right: &[Contact]| said.settled && answers_differ(right, &said.contacts, &difference);
-        let remains = wide.as_ref().is_some_and(|[here, there]| wrong(here, base.exact) || wrong(there, &exact));
         let cause = if remains { Cause::Defect } else { base.engine.cause() };
         checks.violations.push((cause, Difference { change, ..difference }, deciding));
     }
@@ -146,8 +153,8 @@ fn deciding(
     let solids = base.oracle.prepare(&blocks[0], &blocks[1]);
     let pair = solids.pair();
     let link = ChainLink {
-        before: &|| Some(Rc::new(pair.trace(tolerances))),
-        after: &|| engine_trace(prepared, tolerances).map(Rc::new),
+        before: &|| Some(Rc::new(pair.indexed_trace(tolerances))),
+        after: &|| engine_trace(prepared, tolerances).map(IndexedTrace::of).map(Rc::new),
         margins: &|decisions| pair.margins(tolerances, decisions),
         roundoff: Some(base.engine.precision().epsilon() / 2.0),
     };

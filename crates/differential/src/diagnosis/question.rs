@@ -158,7 +158,7 @@ impl<'q> Asked<'q> {
         let features = self.features();
         let changed = differences(exact, &completed(said.to_vec(), exact), features);
         let link = ChainLink {
-            before: &|| Some(std::rc::Rc::new(ExactPair::trace(&self.pair, tolerances))),
+            before: &|| Some(std::rc::Rc::new(ExactPair::indexed_trace(&self.pair, tolerances))),
             after: &|| None,
             margins: &|decisions| ExactPair::margins(&self.pair, tolerances, decisions),
             roundoff: Some(self.question.precision.epsilon() / 2.0),

@@ -5,6 +5,7 @@ use crate::compare::{Difference, Features};
 use crate::engine::Trace;
 use crate::explain::{ChainLink, explain};
 use crate::finding::{Cause, DecidingDecision};
+use crate::indexed_trace::IndexedTrace;
 use crate::lockstep::answer::{StepAnswerChange, StepDecisions, StepDifference};
 use crate::lockstep::scene::ExactScene;
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
@@ -157,7 +158,7 @@ impl Explainer<'_> {
         let before = Pair::new(&prepared[0], &prepared[1]);
         let trace_after = || {
             if let Some(stepper) = stepper {
-                return stepper(a_after, b_after, &kept);
+                return stepper(a_after, b_after, &kept).map(IndexedTrace::of);
             }
             if std::ptr::eq(self.before.blocks, self.after.blocks) {
                 return Some(trace(&before, self.after.tolerances, &kept));
@@ -179,9 +180,9 @@ impl Explainer<'_> {
 }
 
 /// The decisions of the oracle about a pair.
-fn trace(pair: &Pair<'_>, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Trace {
-    let entries = pair.trace_keeping(tolerances, kept);
-    entries.into_iter().map(|entry| (entry.decision, entry.outcome)).collect()
+fn trace(pair: &Pair<'_>, tolerances: &ToleranceSet, kept: &[ContactKey]) -> IndexedTrace {
+    let (decisions, index) = pair.outcomes_keeping(tolerances, kept);
+    IndexedTrace::with_index(decisions, index)
 }
 
 /// Traces two blocks, of whose contacts some are kept.
