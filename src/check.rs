@@ -14,10 +14,10 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Problems told one by one.
-const MOST_PROBLEMS: usize = 20;
+const MAX_PROBLEMS: usize = 20;
 
 /// Of problems that are all of one sort so many.
-const MOST_ALIKE: usize = 3;
+const MAX_ALIKE: usize = 3;
 
 /// Check the blocks of a file, and the tolerances for them
 ///
@@ -124,7 +124,7 @@ impl ModelArgs {
         if !problems.is_empty() {
             // Faces that are not planar are alike in all blocks, and one option is about them all.
             let bent = problems.iter().all(is_bent);
-            let most = if bent { MOST_ALIKE } else { MOST_PROBLEMS };
+            let most = if bent { MAX_ALIKE } else { MAX_PROBLEMS };
             for problem in problems.iter().take(most) {
                 print_error(&problem.to_string());
             }

@@ -23,13 +23,13 @@ pub(crate) fn to_stdout(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
 }
 
 /// The most worker threads; more of them than cores gain nothing.
-const MOST_THREADS: usize = 1024;
+const MAX_THREADS: usize = 1024;
 
 /// A number of worker threads; 0 for one a core.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
-        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
-        _ => Err(format!("allowed are 1 to {MOST_THREADS}, and 0 for one a core")),
+        Ok(threads) if threads <= MAX_THREADS => Ok(threads),
+        _ => Err(format!("allowed are 1 to {MAX_THREADS}, and 0 for one a core")),
     }
 }
 
@@ -39,8 +39,8 @@ pub(crate) fn threads(text: &str) -> Result<usize, String> {
 /// With the variable, what was found and what is allowed.
 pub(crate) fn check_environment() -> Result<(), String> {
     let asked = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"].map(|name| (name, std::env::var(name).unwrap_or_default()));
-    match asked.iter().find(|(_, text)| text.parse::<u64>().is_ok_and(|threads| threads > MOST_THREADS as u64)) {
-        Some((name, text)) => Err(format!("{name} is {text}; allowed are 1 to {MOST_THREADS}, and 0 for one a core")),
+    match asked.iter().find(|(_, text)| text.parse::<u64>().is_ok_and(|threads| threads > MAX_THREADS as u64)) {
+        Some((name, text)) => Err(format!("{name} is {text}; allowed are 1 to {MAX_THREADS}, and 0 for one a core")),
         None => Ok(()),
     }
 }

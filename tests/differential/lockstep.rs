@@ -16,7 +16,7 @@ use rockproof_stepper::dynamics::{Dynamics, State};
 use std::path::PathBuf;
 
 /// Unknowns of the largest scene in the quick test: 512 bits take seconds a step beyond.
-const MOST_UNKNOWNS: usize = 150;
+const MAX_UNKNOWNS: usize = 150;
 
 /// The scenes, by name.
 fn scenes() -> Vec<(String, ExactScene)> {
@@ -98,7 +98,7 @@ fn same_state(step: &str, before: &exact::State, own: &exact::State, right: &exa
 fn stepper_and_oracle_make_the_same_first_steps() {
     for (name, scene) in scenes() {
         let unknowns: usize = scene.scene().blocks.iter().map(|block| block.body.motion.unknowns()).sum();
-        if unknowns <= MOST_UNKNOWNS {
+        if unknowns <= MAX_UNKNOWNS {
             let ties = agree(&name, &scene, 4);
             println!("{name}: {ties:#?}");
         }

@@ -54,12 +54,12 @@ pub enum ToleranceGridError {
     #[error("grid: {0} has the factor {1} twice")]
     Twice(&'static str, String),
     /// More sets than a campaign can examine sensibly.
-    #[error("grid: {0} sets; at most {MOST} make sense, for each needs pairs of its own")]
+    #[error("grid: {0} sets; at most {MAX_SETS} make sense, for each needs pairs of its own")]
     TooMany(usize),
 }
 
 /// How many sets a grid may have.
-pub const MOST: usize = 256;
+pub const MAX_SETS: usize = 256;
 
 type Field = fn(&mut ToleranceSet) -> &mut Number;
 
@@ -116,7 +116,7 @@ impl ToleranceGrid {
                 };
                 points = points.iter().flat_map(|p| factors.iter().map(move |f| with(p, f))).collect();
             }
-            if points.len() > MOST {
+            if points.len() > MAX_SETS {
                 return Err(ToleranceGridError::TooMany(points.len()));
             }
         }

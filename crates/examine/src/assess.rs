@@ -18,7 +18,7 @@ use rockproof_tune::{Evaluator, Search, TuneError};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Blocks of a model that is stepped without being asked to.
-const MOST_STEPPED: usize = 2000;
+const MAX_STEPPED: usize = 2000;
 /// Steps of such a model.
 const STEPS: u64 = 5;
 /// Steps of the search for a set, for each candidate.
@@ -177,8 +177,8 @@ impl Work<'_> {
                 let pairs = plural(overlaps.lost(), "pair overlaps", "pairs overlap");
                 Some(format!("not made: {pairs} at the start so that contacts cannot hold them"))
             }
-            None if blocks > MOST_STEPPED => Some(format!(
-                "not made: {blocks} blocks are more than {MOST_STEPPED}; --steps N makes them all the same"
+            None if blocks > MAX_STEPPED => Some(format!(
+                "not made: {blocks} blocks are more than {MAX_STEPPED}; --steps N makes them all the same"
             )),
             _ => None,
         }

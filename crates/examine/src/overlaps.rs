@@ -12,7 +12,7 @@ use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Overlaps named one by one.
-const MOST_NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 
 /// Which overlaps are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,14 +216,14 @@ impl Overlaps {
         let mut worst: Vec<&Overlap> = self.that(|meaning| meaning != Meaning::Rounding).collect();
         // A stable sort: of equally deep ones the first pair first.
         worst.sort_by_cached_key(|overlap| std::cmp::Reverse(overlap.depth_squared()));
-        for overlap in worst.iter().take(MOST_NAMED) {
+        for overlap in worst.iter().take(MAX_NAMED) {
             let [a, b] = overlap.blocks;
             let deep = if overlap.is_deeper_than_g { ", deeper than penetration" } else { "" };
             let blocks = format!("{a}–{b}");
             // Writing to a String cannot fail.
             let _ = writeln!(out, "  {blocks:<11} {:>12} m  {}{deep}", depth(overlap), overlap.sight.name());
         }
-        if let Some(more) = worst.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
+        if let Some(more) = worst.len().checked_sub(MAX_NAMED).filter(|more| *more > 0) {
             let _ = writeln!(out, "  and {more} more");
         }
         out

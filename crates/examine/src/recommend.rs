@@ -7,7 +7,7 @@ use rockproof_report::table::grouped;
 use rockproof_tune::{EvaluatedCandidate, Measurement, Search};
 
 /// Sets of a search that are examined, the best first, until one does better: each takes as long as the set given.
-const MOST_EXAMINED: usize = 3;
+const MAX_EXAMINED: usize = 3;
 
 /// What the search for another set came to.
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ pub(crate) fn better(
         // A search that prefers the set given prefers none of those behind it.
         .take_while(|one| one.set != given.set)
         .filter(|one| one.measurement.is_better_than(&author.measurement))
-        .take(MOST_EXAMINED)
+        .take(MAX_EXAMINED)
         .collect();
     for (refused, one) in preferred.iter().enumerate() {
         let Some(assessed) = assess(&one.set)? else { return Ok(None) };

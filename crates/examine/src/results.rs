@@ -14,7 +14,7 @@ use rockproof_model::vtu::{DataArray, SCALAR, vtu};
 use rockproof_model::{Precision, ToleranceSet};
 use rockproof_oracle::audit::{Meaning, Overlap};
 use rockproof_report::Report;
-use rockproof_report::latex::{MOST_ROWS, latex};
+use rockproof_report::latex::{MAX_ROWS, latex};
 use rockproof_report::page::page;
 use rockproof_report::sections::{Section, SectionPart};
 use rockproof_report::table::{Table, TableCell};
@@ -231,7 +231,7 @@ pub fn write(
         (FILES[4].to_owned(), FileKind::Table, all.to_csv()?),
         (FILES[5].to_owned(), FileKind::Input, as_toml(set).into_bytes()),
         (FILES[6].to_owned(), FileKind::Table, tolerances.to_csv()?),
-        (FILES[7].to_owned(), FileKind::Text, latex(&worst(MOST_ROWS), MOST_ROWS).into_bytes()),
+        (FILES[7].to_owned(), FileKind::Text, latex(&worst(MAX_ROWS), MAX_ROWS).into_bytes()),
         (FILES[8].to_owned(), FileKind::Text, latex(&tolerances, usize::MAX).into_bytes()),
     ];
     if let Recommendation::Other(other) = &found.other {

@@ -12,9 +12,9 @@ use rockproof_report::table::six_digits;
 use std::path::Path;
 
 /// Blocks that a browser is asked to draw; of more only those with something to say.
-const MOST_DRAWN: usize = 20_000;
+const MAX_DRAWN: usize = 20_000;
 /// Overlapping pairs that are shown by themselves.
-const MOST_OVERLAPS: usize = 3;
+const MAX_OVERLAPS: usize = 3;
 
 /// What is worst about a block, the gravest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -92,7 +92,7 @@ pub(crate) fn views(
     let mut views = vec![whole(found, naming, &shapes, standings)];
     let mut lost: Vec<&PairFacts<'_>> = pairs.iter().filter(|pair| Standing::of(pair) == Standing::Lost).collect();
     lost.sort_by(|one, two| two.depth_m().unwrap_or(0.0).total_cmp(&one.depth_m().unwrap_or(0.0)));
-    views.extend(lost.into_iter().take(MOST_OVERLAPS).map(|pair| overlap(found, naming, &shapes, pair)));
+    views.extend(lost.into_iter().take(MAX_OVERLAPS).map(|pair| overlap(found, naming, &shapes, pair)));
     for (number, kept) in cases.iter().enumerate() {
         let predicate = kept.finding.predicate().map_or(String::new(), |predicate| predicate.to_string());
         let (engine, file) = (kept.finding.scope.to_string(), dir.join(&kept.file));
@@ -105,14 +105,14 @@ pub(crate) fn views(
 }
 
 fn whole(found: &Examination, naming: &Naming, shapes: &[&Block], standings: &[(Standing, String)]) -> FindingView {
-    let is_drawn = |standing: Standing| shapes.len() <= MOST_DRAWN || standing != Standing::Sound;
+    let is_drawn = |standing: Standing| shapes.len() <= MAX_DRAWN || standing != Standing::Sound;
     let groups: Vec<BlockGroup> = Standing::ALL
         .into_iter()
         .filter(|standing| is_drawn(*standing))
         .map(|standing| {
             let (name, color, opacity) = standing.shown();
             let of = standings.iter().enumerate().filter(|(_, (found, _))| *found == standing);
-            let blocks = of.map(|(number, (_, text))| (number, text.clone())).take(MOST_DRAWN).collect();
+            let blocks = of.map(|(number, (_, text))| (number, text.clone())).take(MAX_DRAWN).collect();
             BlockGroup { name: name.to_owned(), color, opacity, blocks }
         })
         .collect();
@@ -121,8 +121,8 @@ fn whole(found: &Examination, naming: &Naming, shapes: &[&Block], standings: &[(
         .into_iter()
         .map(|standing| (standing.shown().0, plural(count(standing), "block", "blocks")))
         .collect();
-    if shapes.len() > MOST_DRAWN {
-        facts.push(("not drawn", format!("blocks without a finding: {} are more than {MOST_DRAWN}", shapes.len())));
+    if shapes.len() > MAX_DRAWN {
+        facts.push(("not drawn", format!("blocks without a finding: {} are more than {MAX_DRAWN}", shapes.len())));
     }
     let (traces, centre) = traces(shapes, &groups);
     facts.push(("axes from", format!("({})", centre.map(six_digits).join(", "))));

@@ -25,7 +25,7 @@ mod tune_directory;
 
 pub use dice::Dice;
 pub use input::PairInput;
-pub use limits::{MOST_MEMORY, MOST_SECONDS, peak_memory};
+pub use limits::{MAX_MEMORY, MAX_SECONDS, peak_memory};
 pub use mutate::mutated;
 pub use reach::Reach;
 pub use scratch::new_folder;

@@ -31,7 +31,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// The most worker threads; more of them than cores gain nothing.
-const MOST_THREADS: usize = 1024;
+const MAX_THREADS: usize = 1024;
 
 /// A campaign that is done, as `Results` reads it.
 #[pyclass(frozen, module = "rockproof")]
@@ -190,9 +190,9 @@ pub(crate) fn run_campaign(
     if settings.pairs == 0 {
         return Err(InputError::new_err("pairs is 0; allowed are 1 and more"));
     }
-    if settings.threads > MOST_THREADS {
+    if settings.threads > MAX_THREADS {
         return Err(InputError::new_err(format!(
-            "threads is {}; allowed are 1 to {MOST_THREADS}, and 0 for one a core",
+            "threads is {}; allowed are 1 to {MAX_THREADS}, and 0 for one a core",
             settings.threads
         )));
     }

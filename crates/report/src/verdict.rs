@@ -42,13 +42,13 @@ fn line(severity: Severity, text: String) -> VerdictLine {
 }
 
 /// Lines of the verdict, those about external engines and bad ones apart.
-const MOST: usize = 4;
+const MAX_LINES: usize = 4;
 
 /// The lines. A bad one is never left out.
 pub fn verdict(results: &Results) -> Vec<VerdictLine> {
     let mut lines = Vec::new();
     let external = external_findings::lines(&results.campaigns);
-    let most = MOST + external.len();
+    let most = MAX_LINES + external.len();
     if !results.campaigns.is_empty() {
         lines.push(right(&results.campaigns));
         if results.stresses.is_empty() {
@@ -190,7 +190,7 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
 
 /// So many pairs without a mistake must there be before that is called well: a mistake that shows in one pair of a hundred shows in one of these with
 /// 95 % (1 − 0.99³⁰⁰).
-const LEAST: u64 = 300;
+const MIN_PAIRS: u64 = 300;
 
 /// How many pairs campaigns examined, in words, and which part of how many that is.
 fn pairs_in_words(campaigns: &[CampaignRun]) -> String {
@@ -208,12 +208,12 @@ fn counted_pairs(campaigns: &[CampaignRun]) -> u64 {
 
 /// A line that no mistake was found: well only where there were pairs enough.
 fn none_found(campaigns: &[CampaignRun], text: &str) -> VerdictLine {
-    if counted_pairs(campaigns) >= LEAST {
+    if counted_pairs(campaigns) >= MIN_PAIRS {
         return line(Severity::Good, text.to_owned());
     }
     line(
         Severity::Fair,
-        format!("{text} So few pairs tell little: {LEAST} show a mistake of one pair in a hundred with 95 %."),
+        format!("{text} So few pairs tell little: {MIN_PAIRS} show a mistake of one pair in a hundred with 95 %."),
     )
 }
 

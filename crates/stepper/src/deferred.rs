@@ -56,7 +56,7 @@ struct Notes {
 }
 
 /// Notes kept at a time. More are made by blocks so large that nothing should be kept of every operation.
-const MOST: usize = 1 << 18;
+const MAX_NOTES: usize = 1 << 18;
 /// Notes that a thread keeps room for.
 const KEPT: usize = 1 << 15;
 
@@ -87,7 +87,7 @@ impl Notes {
     }
 
     fn add(&mut self, note: Note) -> u32 {
-        if self.notes.len() >= MOST {
+        if self.notes.len() >= MAX_NOTES {
             self.is_full = true;
             return 0;
         }

@@ -8,7 +8,7 @@ use rockproof_model::{ToleranceSet, ToleranceSpec};
 use std::fmt::Write;
 
 /// Trade-offs told at most.
-const MOST: usize = 6;
+const MAX_TRADE_OFFS: usize = 6;
 
 /// A set as a `[tolerances]` table ready to paste.
 pub fn as_toml(set: &ToleranceSet) -> String {
@@ -72,7 +72,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     }
     writeln!(out, "\n## Trade-offs that remain\n")?;
     let front: Vec<usize> = search.front();
-    let shown: Vec<usize> = front.iter().copied().take(MOST).collect();
+    let shown: Vec<usize> = front.iter().copied().take(MAX_TRADE_OFFS).collect();
     if shown.len() < 2 {
         writeln!(out, "None: no candidate that keeps every rule is better in anything.")?;
     } else {

@@ -23,7 +23,7 @@ pub struct Sample {
 pub type Asking<'a> = &'a (dyn Fn(&[Block; 2], &ToleranceSet) -> Reply + Sync);
 
 /// Fewer answers than this show nothing.
-const LEAST: usize = 3;
+const MIN_ANSWERS: usize = 3;
 
 /// Explanations looked for, one after the other: each of what those before it leave over.
 const EXPLANATIONS: usize = 3;
@@ -106,10 +106,10 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
         let Some(best) = standing.iter().copied().rev().max_by_key(|&number| weight(number)) else { break };
         let (far, count) = weight(best);
         let tells = hypotheses[best].is_rounding()
-            || far >= LEAST && far * 10 >= far_left
-            || count > 2 * LEAST && count * 2 >= left.len()
+            || far >= MIN_ANSWERS && far * 10 >= far_left
+            || count > 2 * MIN_ANSWERS && count * 2 >= left.len()
             || count == left.len();
-        if count < LEAST || !tells {
+        if count < MIN_ANSWERS || !tells {
             break;
         }
         let of_best = explained(best, &left);

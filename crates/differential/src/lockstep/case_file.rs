@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// More steps than a run can make; what is counted in f64 somewhere stays exact below it.
-const MOST_STEPS: u64 = 1 << 53;
+const MAX_STEPS: u64 = 1 << 53;
 
 /// What a state file holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -157,7 +157,7 @@ impl StepCase {
         if self.state.last_time_step.0 <= 0.0 {
             return refuse(&format!("last_time_step = {:?}", self.state.last_time_step.0), "more than 0");
         }
-        if self.state.step > MOST_STEPS {
+        if self.state.step > MAX_STEPS {
             return refuse(&format!("step = {}", self.state.step), "up to 2^53");
         }
         let next = match self.state.settling {

@@ -314,14 +314,14 @@ impl Watch<'_> {
     /// the one before ended, rounded to f64 as an engine's steps are: the digits of exact states grow with every step.
     fn shorter_steps(&self, blocks: [usize; 2], time_step: &BigRational, rounding: &Number) -> StepCause {
         let prevents = |halvings: &u32| self.prevented(blocks, time_step, *halvings, rounding);
-        if (1..=MOST_HALVINGS).any(|halvings| prevents(&halvings)) { StepCause::StepLength } else { StepCause::NotHeld }
+        if (1..=MAX_HALVINGS).any(|halvings| prevents(&halvings)) { StepCause::StepLength } else { StepCause::NotHeld }
     }
 
     fn prevented(&self, blocks: [usize; 2], time_step: &BigRational, halvings: u32, rounding: &Number) -> bool {
         let scene = self.scenes[0].with_time_step(Number::from_rational(time_step / BigInt::from(1u32 << halvings)));
         let mut state = self.before[0].clone();
         let end = state.time.to_rational() + time_step;
-        for _ in 0..MOST_STEPS << halvings {
+        for _ in 0..MAX_STEPS << halvings {
             let Ok(made) = scene.step(&state, KEEP) else { return false };
             let Some(after) = rounded_state(&made.state, Precision::F64) else { return false };
             if !Intrusions::among(&blocks, &scene, [&state, &after], rounding).are_none() {
@@ -337,7 +337,7 @@ impl Watch<'_> {
 }
 
 /// Halvings of Δt after which shorter steps are given up.
-const MOST_HALVINGS: u32 = 6;
+const MAX_HALVINGS: u32 = 6;
 
 /// So many times the steps that a shorter Δt needs may be made, as some are cut.
-const MOST_STEPS: u32 = 2;
+const MAX_STEPS: u32 = 2;

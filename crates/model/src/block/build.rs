@@ -63,12 +63,12 @@ pub(super) fn build(
 }
 
 /// Bits of the common denominator of all coordinates: n fractions of d digits would otherwise cost n²·d.
-const MOST_BITS: u64 = 1 << 16;
+const MAX_BITS: u64 = 1 << 16;
 
 fn check_denominator(vertices: &[Point]) -> Result<(), BlockError> {
     let ratios = || vertices.iter().flat_map(|v| v.components()).filter_map(|c| c.as_ratio());
     // The product of all denominators bounds their least common multiple.
-    if ratios().map(|r| r.denom().bits()).sum::<u64>() <= MOST_BITS {
+    if ratios().map(|r| r.denom().bits()).sum::<u64>() <= MAX_BITS {
         return Ok(());
     }
     let mut common = BigInt::one();
@@ -76,8 +76,8 @@ fn check_denominator(vertices: &[Point]) -> Result<(), BlockError> {
         if !common.is_multiple_of(ratio.denom()) {
             common = common.lcm(ratio.denom());
         }
-        if common.bits() > MOST_BITS {
-            return Err(BlockError::TooFine { limit: MOST_BITS });
+        if common.bits() > MAX_BITS {
+            return Err(BlockError::TooFine { limit: MAX_BITS });
         }
     }
     Ok(())

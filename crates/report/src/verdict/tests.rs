@@ -22,7 +22,7 @@ fn rows<T: DeserializeOwned>(columns: &[&str], rows: &[&str]) -> Vec<T> {
 fn campaign(engines: &[(&str, u64)], findings: &[&str], step_findings: &[&str], steps: StepCounts) -> CampaignRun {
     let run = json!({
         "version": "0", "seed": 1, "configuration": {}, "machine": { "os": "", "architecture": "", "cores": 1 },
-        "finished": true, "pairs": LEAST, "contacts": 0, "findings": { "total": findings.len() },
+        "finished": true, "pairs": MIN_PAIRS, "contacts": 0, "findings": { "total": findings.len() },
         "metamorphic_checks": 0, "seconds": 1.0,
     });
     let (mut tally, mut step_tally) = (FindingTally::default(), StepTally::default());
@@ -226,7 +226,7 @@ fn few_pairs_without_a_mistake_are_not_called_well() {
         let lines = |run: &CampaignRun| mistakes(std::slice::from_ref(run)).expect("a line");
         let line = lines(&run);
         assert!(line.severity == Severity::Good && line.text.contains(" in 300 pairs."), "{line:?}");
-        run.run.pairs = LEAST - 1;
+        run.run.pairs = MIN_PAIRS - 1;
         let line = lines(&run);
         assert!(line.severity == Severity::Fair && line.text.contains(" in 299 pairs."), "{line:?}");
         assert!(line.text.contains("300 show a mistake of one pair in a hundred with 95 %"), "{line:?}");
@@ -236,7 +236,7 @@ fn few_pairs_without_a_mistake_are_not_called_well() {
         assert!(line.severity == Severity::Fair && line.text.contains(" in 1 pair (part 1 of 2)."), "{line:?}");
     }
     // What the number is chosen by.
-    assert!(0.99_f64.powi(LEAST as i32) < 0.05 && 0.99_f64.powi(LEAST as i32 - 10) > 0.05);
+    assert!(0.99_f64.powi(MIN_PAIRS as i32) < 0.05 && 0.99_f64.powi(MIN_PAIRS as i32 - 10) > 0.05);
 }
 
 /// A run of five audited steps in which all is well, asked for so many, with an ending.

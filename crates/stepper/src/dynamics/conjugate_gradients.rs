@@ -8,13 +8,13 @@ use crate::dynamics::products::Products;
 use crate::dynamics::solve::Solve;
 
 /// The iteration ends when the residual, measured by the factor (rᵀ(LLᵀ)⁻¹r, a square), has come down to this share of the right side's.
-const ENOUGH: f64 = 1e-28;
+const RESIDUAL_SHARE: f64 = 1e-28;
 
 /// After so many products a factor of the present matrix is no good.
-const MOST: u32 = 40;
+const MAX_PRODUCTS: u32 = 40;
 
 /// A factor of an earlier matrix must do with so many, which take less than a new factor.
-const MOST_AGAIN: u32 = 8;
+const MAX_PRODUCTS_OF_OLD_FACTOR: u32 = 8;
 
 /// After so many products it can be told how many there will be.
 const TELLING: u32 = 2;
@@ -44,8 +44,8 @@ impl<R: Solve> Refining<'_, '_, '_, R> {
                 Iterate { solution: before.to_vec(), residual, direction, left }
             }
         };
-        let most = if before.is_some() { MOST_AGAIN } else { MOST };
-        self.iterate(begin, measure * R::from_f64(ENOUGH), most, before.is_some())
+        let most = if before.is_some() { MAX_PRODUCTS_OF_OLD_FACTOR } else { MAX_PRODUCTS };
+        self.iterate(begin, measure * R::from_f64(RESIDUAL_SHARE), most, before.is_some())
     }
 
     fn precondition(&self, residual: &[R]) -> Option<Vec<R>> {
