@@ -30,14 +30,14 @@ pub(crate) trait Observer {
     /// A decision begins; the signs that follow belong to it.
     fn begin(&mut self, decision: &Decision);
     /// A sign was decided for the decision begun last; `margin` works out how close it is to zero: [`crate::Margin::relative`]. Returns what the
-    /// classification takes it for: what it is, but for a [`crate::Departure`].
+    /// classification takes it for: what it is, but for a [`crate::RuleVariant`].
     fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64) -> Sign;
     /// The decision has this answer. Returns what it is taken for, likewise.
     fn end(&mut self, decision: &Decision, yes: bool) -> bool;
     /// The decision comes to this sign, likewise.
     fn end_with_sign(&mut self, decision: &Decision, sign: Sign) -> Sign;
 
-    /// Whether it leaves a contact out: none, but for a [`crate::Departure`].
+    /// Whether it leaves a contact out: none, but for a [`crate::RuleVariant`].
     fn leaves_out(&self, _contact: &Contact) -> bool {
         false
     }

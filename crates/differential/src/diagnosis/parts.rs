@@ -4,7 +4,7 @@ use super::hypothesis::Hypothesis;
 use super::question::Asked;
 use rockproof_model::decision::{Feature, Side};
 use rockproof_model::{Contact, ContactKind, Sign};
-use rockproof_oracle::Departure;
+use rockproof_oracle::RuleVariant;
 
 use crate::compare::Features;
 
@@ -66,7 +66,7 @@ impl Hypothesis for LeftOut {
         let features = asked.features();
         let convex = asked.question.blocks.iter().all(rockproof_model::Block::is_convex);
         let is_left_out = |contact: &Contact| self.concerns(contact, features, convex);
-        Some(asked.pair.classify_departing(&asked.question.tolerances, Departure::LeftOut(&is_left_out)))
+        Some(asked.pair.classify_with_variant(&asked.question.tolerances, RuleVariant::LeftOut(&is_left_out)))
     }
 }
 

@@ -4,7 +4,7 @@ use super::hypothesis::Hypothesis;
 use super::question::Asked;
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Contact, Sign};
-use rockproof_oracle::Departure;
+use rockproof_oracle::RuleVariant;
 
 /// A rule that is another one.
 #[derive(Clone, Copy, Debug)]
@@ -73,11 +73,11 @@ impl Hypothesis for Rule {
     }
 
     fn contacts(&self, asked: &Asked<'_>) -> Option<Vec<Contact>> {
-        let departure = match *self {
-            Rule::Tie(predicate, taken) => Departure::Tie(predicate, taken),
-            Rule::Always(predicate, answer) => Departure::Always(predicate, answer),
+        let variant = match *self {
+            Rule::Tie(predicate, taken) => RuleVariant::Tie(predicate, taken),
+            Rule::Always(predicate, answer) => RuleVariant::Always(predicate, answer),
         };
-        Some(asked.pair.classify_departing(&asked.question.tolerances, departure))
+        Some(asked.pair.classify_with_variant(&asked.question.tolerances, variant))
     }
 
     fn is_about_ties(&self) -> bool {
