@@ -20,9 +20,9 @@
 //! stepper has moved, [`Screen`] leaves out in f64, proved, all pairs that need no exact answer.
 
 mod decider;
-mod meaning;
 mod planes;
 mod screen;
+mod severity;
 
 use crate::boxes::{self, Box3, meeting_pairs};
 use crate::interiors;
@@ -30,11 +30,11 @@ use crate::penetration::{Penetration, penetration};
 use crate::separation::{PointSet, SeparationAnswer, separate};
 use crate::{Gap, Pair, PreparedBlock};
 pub use decider::{AuditCounts, Decider};
-pub use meaning::{Meaning, rounding_depth, rounding_depth_of_size};
 use num_rational::BigRational;
 use planes::FacePlanes;
 use rockproof_model::{Block, Contact, ContactKey, Number, ToleranceSet};
 pub use screen::Screen;
+pub use severity::{OverlapSeverity, rounding_depth, rounding_depth_of_size};
 use std::sync::OnceLock;
 
 /// Whether the contacts of a pair tell of its overlap.
@@ -94,7 +94,7 @@ pub struct PairAudit {
     pub bounded: Option<BoundedOverlap>,
 }
 
-/// An overlap that is certainly rounding ([`Meaning::Rounding`]), not measured.
+/// An overlap that is certainly rounding ([`OverlapSeverity::Rounding`]), not measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundedOverlap {
     /// The blocks, the lower number first.
@@ -225,7 +225,7 @@ impl<'s> Auditor<'s> {
         PairAudit { decider, overlap: overlaps.then(|| self.measure(blocks, kept)), bounded: None }
     }
 
-    /// As [`Auditor::pair`], where an overlap that certainly means [`Meaning::Rounding`] is bounded and not measured, nor its
+    /// As [`Auditor::pair`], where an overlap that is certainly [`OverlapSeverity::Rounding`] is bounded and not measured, nor its
     /// contacts looked for; `rounding` (m) is the depth that rounded coordinates alone can make ([`rounding_depth`]).
     ///
     /// # Panics

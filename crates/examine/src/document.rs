@@ -106,7 +106,7 @@ fn pair(pair: &PairFacts<'_>) -> Value {
     json!({
         "blocks": pair.blocks,
         "overlap_m": pair.depth_m(),
-        "overlap": pair.overlap.map(|(_, meaning)| meaning.name()),
+        "overlap": pair.overlap.map(|(_, severity)| severity.name()),
         "f32": f32,
         "f64": f64,
         "passage_m": pair.passage_m,

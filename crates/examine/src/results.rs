@@ -12,7 +12,7 @@ use crate::verdict::{NOT_DECIDED, Verdict, mark, title};
 use crate::view::{Standing, standings, views};
 use rockproof_model::vtu::{DataArray, SCALAR, vtu};
 use rockproof_model::{Precision, ToleranceSet};
-use rockproof_oracle::audit::{Meaning, Overlap};
+use rockproof_oracle::audit::{Overlap, OverlapSeverity};
 use rockproof_report::Report;
 use rockproof_report::latex::{MAX_ROWS, latex};
 use rockproof_report::page::page;
@@ -45,7 +45,7 @@ pub(crate) struct PairFacts<'f> {
     /// The blocks, the lower number first.
     pub(crate) blocks: [usize; 2],
     /// The overlap at the start.
-    pub(crate) overlap: Option<(&'f Overlap, Meaning)>,
+    pub(crate) overlap: Option<(&'f Overlap, OverlapSeverity)>,
     /// What differs in f32 and in f64.
     pub(crate) engines: Option<&'f [EngineDifferences; 2]>,
     /// Contacts that the tolerances change.
@@ -93,8 +93,8 @@ impl<'f> PairFacts<'f> {
             let facts = PairFacts { engines: Some(&pair.engines), tolerance: pair.tolerance, ..empty(pair.blocks) };
             all.insert(pair.blocks, facts);
         }
-        for (overlap, meaning) in found.given.overlaps.all() {
-            all.entry(overlap.blocks).or_insert_with(|| empty(overlap.blocks)).overlap = Some((overlap, meaning));
+        for (overlap, severity) in found.given.overlaps.all() {
+            all.entry(overlap.blocks).or_insert_with(|| empty(overlap.blocks)).overlap = Some((overlap, severity));
         }
         if let Some(made) = found.given.steps.made() {
             for (&blocks, &depth) in &made.passages {
@@ -117,7 +117,7 @@ impl<'f> PairFacts<'f> {
             a,
             b,
             TableCell::number(self.depth_m()),
-            text(self.overlap.map(|(_, meaning)| meaning.name().to_owned())),
+            text(self.overlap.map(|(_, severity)| severity.name().to_owned())),
             text(self.overlap.map(|(overlap, _)| overlap.sight.name().to_owned())),
             f32.total().into(),
             f32.broken.into(),
@@ -343,7 +343,7 @@ fn block_data(found: &Examination, pairs: &[PairFacts<'_>], standings: &[(Standi
     let mut overlap = vec![0.0f64; blocks.len()];
     let mut counts: [Vec<i64>; 5] = std::array::from_fn(|_| vec![0; blocks.len()]);
     for pair in pairs {
-        let is_lost = pair.overlap.is_some_and(|(_, meaning)| meaning == Meaning::Lost);
+        let is_lost = pair.overlap.is_some_and(|(_, severity)| severity == OverlapSeverity::Lost);
         let passes = pair.passage_m.is_some() || pair.unseen_m.is_some();
         let [f32, f64] = [Precision::F32, Precision::F64].map(|precision| pair.in_precision(precision).total() > 0);
         for block in pair.blocks {

@@ -230,7 +230,7 @@ fn overlapping(given: &Assessment) -> Line {
     if overlaps.lost() > 0 {
         text += &format!("; penetration is {} m", short(given.set.penetration.approximate()));
     }
-    let held = overlaps.all().any(|(_, meaning)| meaning == rockproof_oracle::audit::Meaning::Held);
+    let held = overlaps.all().any(|(_, severity)| severity == rockproof_oracle::audit::OverlapSeverity::Held);
     let severity = match (overlaps.lost(), held) {
         (0, false) => good(given),
         (0, true) => Severity::Fair,

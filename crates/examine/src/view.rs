@@ -5,7 +5,7 @@ use crate::cases::KeptCase;
 use crate::naming::{Naming, file_name};
 use crate::results::PairFacts;
 use rockproof_model::Block;
-use rockproof_oracle::audit::Meaning;
+use rockproof_oracle::audit::OverlapSeverity;
 use rockproof_report::model_view::{BlockGroup, traces};
 use rockproof_report::sections::{FindingView, ShownCase};
 use rockproof_report::table::six_digits;
@@ -52,11 +52,11 @@ impl Standing {
     /// The standing that a pair gives its blocks.
     pub(crate) fn of(pair: &PairFacts<'_>) -> Standing {
         let in_asked = pair.asked();
-        match pair.overlap.map(|(_, meaning)| meaning) {
-            Some(Meaning::Lost) => Standing::Lost,
+        match pair.overlap.map(|(_, severity)| severity) {
+            Some(OverlapSeverity::Lost) => Standing::Lost,
             _ if pair.passage_m.is_some() || pair.unseen_m.is_some() => Standing::Passed,
             _ if in_asked.broken > 0 => Standing::Broken,
-            Some(Meaning::Held) => Standing::Held,
+            Some(OverlapSeverity::Held) => Standing::Held,
             _ if in_asked.total() > 0 => Standing::Differs,
             _ => Standing::Sound,
         }

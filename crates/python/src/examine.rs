@@ -62,7 +62,7 @@ impl ExaminationRun {
     /// The blocks that overlap, by their numbers.
     #[getter]
     fn overlaps(&self) -> Vec<Overlap> {
-        self.found.given.overlaps.all().map(|(found, meaning)| Overlap::new(found, meaning)).collect()
+        self.found.given.overlaps.all().map(|(found, severity)| Overlap::new(found, severity)).collect()
     }
 
     /// The complete tolerances that the model was examined with.
