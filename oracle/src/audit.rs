@@ -213,14 +213,14 @@ impl<'s> Auditor<'s> {
     /// # Panics
     /// When there is no block of one of the numbers.
     pub fn pair(&self, blocks: [usize; 2]) -> PairAudit {
-        self.pair_keeping(blocks, &[])
+        self.pair_with_kept(blocks, &[])
     }
 
     /// As [`Auditor::pair`], where the step before left the contacts `kept` of the pair closed.
     ///
     /// # Panics
     /// When there is no block of one of the numbers.
-    pub fn pair_keeping(&self, blocks: [usize; 2], kept: &[ContactKey]) -> PairAudit {
+    pub fn pair_with_kept(&self, blocks: [usize; 2], kept: &[ContactKey]) -> PairAudit {
         let (overlaps, decider) = self.overlap(blocks);
         PairAudit { decider, overlap: overlaps.then(|| self.measure(blocks, kept)), bounded: None }
     }
@@ -238,17 +238,17 @@ impl<'s> Auditor<'s> {
     }
 
     /// The overlap of two blocks of which no contact tells, where the step before left the contacts `kept` of the pair closed;
-    /// `None` where they do not overlap or a contact has h < 0. Cheaper than [`Auditor::pair_keeping`], since contacts are asked
+    /// `None` where they do not overlap or a contact has h < 0. Cheaper than [`Auditor::pair_with_kept`], since contacts are asked
     /// before the depth is measured.
     ///
     /// # Panics
     /// When there is no block of one of the numbers.
-    pub fn unseen_keeping(&self, blocks: [usize; 2], kept: &[ContactKey]) -> Option<Overlap> {
+    pub fn unseen_with_kept(&self, blocks: [usize; 2], kept: &[ContactKey]) -> Option<Overlap> {
         if !self.overlap(blocks).0 {
             return None;
         }
         let [a, b] = blocks.map(|k| &self.solids[k]);
-        let contacts = Pair::new(a, b).classify_keeping(self.tolerances, kept).contacts;
+        let contacts = Pair::new(a, b).classify_with_kept(self.tolerances, kept).contacts;
         let is_seen = contacts.iter().any(|contact| contact.gap.is_negative());
         (!is_seen).then(|| self.measured(blocks, None))
     }
@@ -362,7 +362,7 @@ impl<'s> Auditor<'s> {
 
     /// The contact with the most negative gap.
     fn deepest_contact(&self, pair: &Pair<'_>, kept: &[ContactKey]) -> Option<(Contact, Gap)> {
-        let contacts = pair.classify_keeping(self.tolerances, kept).contacts;
+        let contacts = pair.classify_with_kept(self.tolerances, kept).contacts;
         let overlapping = contacts.into_iter().filter(|contact| contact.gap.is_negative());
         let mut deepest: Option<(Contact, Gap)> = None;
         for contact in overlapping {

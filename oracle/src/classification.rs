@@ -125,7 +125,7 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     }
 
     /// The same with contacts kept from the step before.
-    pub(crate) fn keeping(self, kept: &'p [ContactKey]) -> Self {
+    pub(crate) fn with_kept(self, kept: &'p [ContactKey]) -> Self {
         Classification { kept, ..self }
     }
 

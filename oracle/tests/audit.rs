@@ -334,7 +334,7 @@ fn what_no_contact_sees_is_the_same_whether_depth_or_contacts_are_asked_first() 
             seen += usize::from(audited.as_ref().is_some_and(|o| o.sight != OverlapVisibility::Unseen));
             let expected = audited.filter(|overlap| overlap.sight == OverlapVisibility::Unseen);
             unseen += usize::from(expected.is_some());
-            assert_eq!(auditor.unseen_keeping(pair, &[]), expected, "{pair:?}");
+            assert_eq!(auditor.unseen_with_kept(pair, &[]), expected, "{pair:?}");
         }
     }
     assert!(unseen >= 19 && seen > 0, "{unseen} unseen, {seen} seen");

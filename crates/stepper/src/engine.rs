@@ -1,6 +1,6 @@
 //! A stepper with its rules, as something that classifies blocks.
 
-use crate::contact::{Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_keeping};
+use crate::contact::{Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_with_kept};
 use crate::deferred::{Deferred, noted};
 use crate::real::Real;
 use crate::wide::{Wide, count_unsettled, settled};
@@ -83,7 +83,7 @@ pub fn contacts_in<R: Real, M: ContactRules>(
     b: &Block,
     t: &ToleranceSet,
 ) -> Result<Vec<Contact>, EngineError> {
-    contacts_keeping::<R, M>(a, b, t, &[])
+    contacts_with_kept::<R, M>(a, b, t, &[])
 }
 
 /// The contacts of a pair in [`Wide`] by the rules `M`, preparation of both blocks included, and the number of unsettled
@@ -121,12 +121,12 @@ pub fn settled_contacts<M: ContactRules>(
 ///
 /// # Panics
 /// When a kept contact names a feature that its block does not have.
-pub fn contacts_keeping<R: Real, M: ContactRules>(
+pub fn contacts_with_kept<R: Real, M: ContactRules>(
     a: &Block,
     b: &Block,
     t: &ToleranceSet,
     kept: &[ContactKey],
 ) -> Result<Vec<Contact>, EngineError> {
     let (a, b, t) = (PreparedBlock::<R>::new(a)?, PreparedBlock::<R>::new(b)?, Tolerances::<R>::new(t)?);
-    Ok(classify_keeping::<R, M>(&a, &b, &t, kept).into_iter().map(|found| found.contact).collect())
+    Ok(classify_with_kept::<R, M>(&a, &b, &t, kept).into_iter().map(|found| found.contact).collect())
 }

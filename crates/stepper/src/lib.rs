@@ -14,8 +14,8 @@ pub mod vector;
 pub mod wide;
 
 pub use contact::{
-    ClassificationRequest, Collapsed, ComputedContact, PreparedBlock, Tolerances, classify, classify_keeping,
-    classify_traced,
+    ClassificationRequest, Collapsed, ComputedContact, PreparedBlock, Tolerances, classify, classify_traced,
+    classify_with_kept,
 };
 pub use engine::{Classifier, EngineError, Stepper};
 pub use real::Real;

@@ -25,13 +25,13 @@ impl Pair<'_> {
     ///
     /// Block coordinates count as they stand: for the oracle on rounded input, give it rounded blocks and tolerances.
     pub fn classify(&self, tolerances: &ToleranceSet) -> Answer {
-        self.classify_keeping(tolerances, &[])
+        self.classify_with_kept(tolerances, &[])
     }
 
     /// The contacts of the pair where the step before left the contacts `kept` of it closed: these may be deeper than g;
     /// every other condition holds for them as for all. Order and repetitions do not matter.
-    pub fn classify_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Answer {
-        let mut run = Classification::new(self, tolerances, Unobserved).keeping(kept);
+    pub fn classify_with_kept(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Answer {
+        let mut run = Classification::new(self, tolerances, Unobserved).with_kept(kept);
         let contacts = run.classify();
         Answer { contacts, levels: run.ladder.levels }
     }

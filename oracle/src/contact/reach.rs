@@ -168,7 +168,7 @@ mod tests {
         let (a, b) = (cube(3), cube(2));
         let (pair, t) = (Pair::new(&a, &b), without_tolerances());
         let kept = [ContactKey::EdgeEdge(EdgeId(0), EdgeId(1)), ContactKey::VertexFace(VertexId(0), FaceId(0))];
-        let run = Classification::new(&pair, &t, Unobserved).keeping(&kept);
+        let run = Classification::new(&pair, &t, Unobserved).with_kept(&kept);
         let reach = |edges: &[u32]| Reach { edges: edges.iter().copied().map(EdgeId).collect(), ..Reach::default() };
         let beyond = |a: &[u32], b: &[u32], distance| run.kept_edges_beyond(&reach(a), &reach(b), distance).to_vec();
         let it = vec![(EdgeId(0), EdgeId(1))];

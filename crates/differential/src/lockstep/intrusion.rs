@@ -199,7 +199,7 @@ impl LookedThrough<'_> {
     /// The overlap of a pair at an end of the step that no contact sees, those kept among them, and that is more than rounding.
     fn unseen(&self, auditor: &Auditor<'_>, pair: [usize; 2], end: usize) -> Option<Overlap> {
         let kept = kept(self.states[end], self.numbers(pair));
-        auditor.unseen_keeping(pair, &kept).filter(|overlap| !overlap.is_rounding(self.rounding))
+        auditor.unseen_with_kept(pair, &kept).filter(|overlap| !overlap.is_rounding(self.rounding))
     }
 }
 

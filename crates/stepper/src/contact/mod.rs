@@ -19,7 +19,7 @@ mod vertex_face;
 mod vertex_vertex;
 
 pub use broad::{Bounds, neighbours};
-pub use classify::{ClassificationRequest, ComputedContact, classify, classify_keeping, classify_traced};
+pub use classify::{ClassificationRequest, ComputedContact, classify, classify_traced, classify_with_kept};
 pub use compiled::CompiledContacts;
 pub use nearby_features::NearbyFeatures;
 pub use prepared_block::{Collapsed, PreparedBlock};

@@ -1,6 +1,6 @@
 //! The contacts of a step in 512 bits, found in f64 wherever that settles a comparison ([`crate::deferred`]).
 
-use crate::contact::{PreparedBlock, Tolerances, classify_keeping};
+use crate::contact::{PreparedBlock, Tolerances, classify_with_kept};
 use crate::deferred::{Deferred, noted};
 use crate::dynamics::engine::Dynamics;
 use crate::dynamics::rules::StepRules;
@@ -45,7 +45,7 @@ impl<M: StepRules> Dynamics<Wide, M> {
             let [a, b] = pair.map(|block| &solids[block as usize]);
             let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
             let kept: Vec<ContactKey> = old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key).collect();
-            let found = classify_keeping::<R, M>(a, b, &tolerances, &kept);
+            let found = classify_with_kept::<R, M>(a, b, &tolerances, &kept);
             contacts.extend(found.into_iter().map(|found| (pair, found.contact)));
         }
         Some(contacts)
