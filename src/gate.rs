@@ -22,7 +22,7 @@ use rockproof_gate::answers::{self, Answers};
 use rockproof_gate::config::{Baseline, GateConfig};
 use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::tally::{CampaignTally, TallyRow};
-use rockproof_gate::{self, Check, corpus, junit, reach, summary};
+use rockproof_gate::{self, Check, corpus, junit, limit_scope, summary};
 use rockproof_model::files::read_text;
 use rockproof_model::text::{SHOWN, excerpt};
 use rockproof_report::load::Results;
@@ -101,7 +101,7 @@ impl Gate {
         let engines = Engines::of(&config.campaign).with_context(|| file.clone())?;
         let source = source::of(&config.campaign).with_context(|| file.clone())?;
         self.check_names(&config, &engines)?;
-        reach::check(&config, &source, (&file, &text)).map_err(anyhow::Error::msg)?;
+        limit_scope::check(&config, &source, (&file, &text)).map_err(anyhow::Error::msg)?;
         anyhow::ensure!(
             !config.limit.is_empty() || config.baseline.is_some() || !corpus::files(&config.corpus)?.is_empty(),
             "{file}: there is nothing to check: it has no [[limit]] and no [baseline], and its corpus holds no case"

@@ -107,7 +107,7 @@ pub(crate) struct Classification<'p, 's, O> {
     pub(crate) kept: &'p [ContactKey],
     pub(crate) observer: O,
     /// What is farther apart is not in one another's territory, slack included; infinite until it is known.
-    pub(crate) territory_reach: f64,
+    pub(crate) territory_distance: f64,
     pub(crate) ladder: SignLadder<'p, 's>,
 }
 
@@ -119,7 +119,7 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
             classic: tolerances.criteria == Criteria::Classic,
             kept: &[],
             observer,
-            territory_reach: f64::INFINITY,
+            territory_distance: f64::INFINITY,
             ladder: SignLadder::new(pair, tolerances),
         }
     }

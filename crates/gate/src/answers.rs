@@ -2,7 +2,7 @@
 
 use super::config::GateConfig;
 use super::tally::{CampaignTally, TallyRow};
-use super::{Check, Verdict, reach};
+use super::{Check, Verdict, limit_scope};
 use rockproof_differential::finding::Cause;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -36,7 +36,7 @@ pub fn checks(
     let check = |spec: &rockproof_differential::external::EngineSpec| {
         let name = &spec.name;
         let answers = tally.answers(name);
-        let is_limited = config.limit.iter().any(|limit| reach::concerns(limit.get_ref(), spec));
+        let is_limited = config.limit.iter().any(|limit| limit_scope::concerns(limit.get_ref(), spec));
         let silent = answers.answered == 0 && answers.asked > 0;
         let (verdict, message) = if answers.asked == 0 {
             (Verdict::Skip, "no pair survived rounding, so it was asked about none".to_owned())

@@ -6,8 +6,8 @@ mod tests;
 use super::external_findings;
 use super::load::{CampaignRun, Results, agreeing_share};
 use super::motion_verdict::{cut_line, lockstep_lines, motion_line};
+use super::safe_levels::{SafeLevels, safe_levels};
 use super::step_verdict::step_line;
-use super::stress_reach::{Reach, reach};
 use super::table::{counted, label, percent};
 use rockproof_campaign::stress::PairAlignment;
 use rockproof_differential::agreement::{AgreementCounts, ChainSpan};
@@ -99,15 +99,15 @@ fn times(results: &Results) -> Option<VerdictLine> {
 fn stress(results: &Results) -> Vec<VerdictLine> {
     let limits = || results.stresses.iter().flat_map(|run| &run.limits);
     let engines: BTreeSet<&str> = limits().map(|limit| &*limit.curve.engine).collect();
-    let of = |engine: &str, form| -> Reach {
-        reach(limits().filter(|limit| limit.curve.engine == engine && limit.curve.form == form))
+    let of = |engine: &str, form| -> SafeLevels {
+        safe_levels(limits().filter(|limit| limit.curve.engine == engine && limit.curve.form == form))
     };
     let mut lines: Vec<VerdictLine> = engines
         .iter()
         .rev()
         .take(2)
         .map(|engine| {
-            let Reach { safe, never, untold } = of(engine, PairAlignment::Generic);
+            let SafeLevels { safe, never, untold } = of(engine, PairAlignment::Generic);
             let mut words = match (safe.is_empty(), untold.is_empty()) {
                 (false, _) => format!("safe {}", safe.join("; ")),
                 (true, false) => "no way tried is known to be safe".to_owned(),
@@ -128,7 +128,7 @@ fn stress(results: &Results) -> Vec<VerdictLine> {
         })
         .collect();
     let nowhere = |engine: &&str| {
-        let Reach { safe, untold, .. } = of(engine, PairAlignment::Aligned);
+        let SafeLevels { safe, untold, .. } = of(engine, PairAlignment::Aligned);
         safe.is_empty() && untold.is_empty()
     };
     let tied: Vec<&str> = engines.iter().copied().filter(nowhere).collect();

@@ -129,8 +129,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         if !self.neighbours() {
             return Vec::new();
         }
-        // Takes note of how far territories reach; how far features reach the list says.
-        self.reach_distance();
+        self.territory_distance = self.culling_distances().territory;
         let mut found = Vec::new();
         // By vertex, for the shortest exit.
         let mut faces: SmallVec<[(Side, VertexId, FaceId); 16]> = SmallVec::new();
