@@ -1,7 +1,7 @@
 //! A stepper with its rules, as something that classifies blocks.
 
 use crate::contact::{Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_with_kept};
-use crate::deferred::{Deferred, noted};
+use crate::lazy_wide::{LazyWide, noted};
 use crate::real::Real;
 use crate::wide::{Wide, count_unsettled, settled};
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
@@ -110,7 +110,7 @@ pub fn settled_contacts<M: ContactRules>(
     b: &Block,
     t: &ToleranceSet,
 ) -> Result<Option<Vec<Contact>>, EngineError> {
-    let sooner = noted(|| settled(|| contacts_in::<Deferred, M>(a, b, t)));
+    let sooner = noted(|| settled(|| contacts_in::<LazyWide, M>(a, b, t)));
     sooner.unwrap_or_else(|| settled(|| contacts_in::<Wide, M>(a, b, t))).transpose()
 }
 

@@ -5,9 +5,9 @@
 //! code from a difference that rounding made. Nothing here uses the exact oracle or its arithmetic.
 
 pub mod contact;
-mod deferred;
 pub mod dynamics;
 pub mod engine;
+mod lazy_wide;
 mod motion_interval;
 pub mod real;
 pub mod vector;

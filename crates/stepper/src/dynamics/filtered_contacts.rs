@@ -1,10 +1,10 @@
-//! The contacts of a step in 512 bits, found in f64 wherever that settles a comparison ([`crate::deferred`]).
+//! The contacts of a step in 512 bits, found in f64 wherever that settles a comparison ([`crate::lazy_wide`]).
 
 use crate::contact::{PreparedBlock, Tolerances, classify_with_kept};
-use crate::deferred::{Deferred, noted};
 use crate::dynamics::engine::Dynamics;
 use crate::dynamics::rules::StepRules;
 use crate::dynamics::transfer;
+use crate::lazy_wide::{LazyWide, noted};
 use crate::real::Real;
 use crate::vector::Vector;
 use crate::wide::{Wide, count_unsettled};
@@ -23,7 +23,7 @@ impl<M: StepRules> Dynamics<Wide, M> {
         }
         let fixed: Vec<bool> = (0..self.solids.len()).map(|block| self.is_fixed(block)).collect();
         let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).0.to_vec();
-        let (contacts, unsettled) = noted(|| count_unsettled(|| self.contacts_of::<Deferred>(&pairs, set)))?;
+        let (contacts, unsettled) = noted(|| count_unsettled(|| self.contacts_of::<LazyWide>(&pairs, set)))?;
         Some((contacts?, unsettled))
     }
 
