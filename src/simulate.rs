@@ -21,7 +21,7 @@ use rockproof_differential::lockstep::{
 use rockproof_examine::{AuditedRun, IntrusionRecorder, violation_json, violations_text};
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, step_in_words};
-use rockproof_model::{Precision, Scene, ToleranceSet, rules};
+use rockproof_model::{Precision, Scene, ToleranceSet, tolerance_rules};
 use rockproof_oracle::step::KeptPrecision;
 use rockproof_report::table::counted;
 use rockproof_results::{Start, bounded};
@@ -217,7 +217,7 @@ impl Simulate {
         }
         self.hold(&mut scene);
         scene.derive_stiffness(&set);
-        let violations = rules::check_scene(&set, &scene, precision);
+        let violations = tolerance_rules::check_scene(&set, &scene, precision);
         if !violations.is_empty() && !self.force {
             self.format.print(
                 || violations_text(&violations),

@@ -10,7 +10,7 @@ use crate::progress::{Stage, WorkProgress};
 use crate::recommend::{Recommendation, better};
 use crate::steps::{self, Steps};
 use rockproof_differential::subject::SubjectSet;
-use rockproof_model::rules::{self, Thin, Violation};
+use rockproof_model::tolerance_rules::{self, Thin, Violation};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
 use rockproof_report::table::counted;
 use rockproof_tune::report::markdown;
@@ -147,8 +147,8 @@ impl Work<'_> {
     fn assess(&self, model: &CheckedModel, sets: &SubjectSet) -> Result<Option<Assessment>, ExamineError> {
         let shapes = model.scene.shapes();
         let set = sets.of(model.precision).clone();
-        let violations = rules::check_scene(&set, &model.scene, model.precision);
-        let thin = rules::thin(&set, &shapes);
+        let violations = tolerance_rules::check_scene(&set, &model.scene, model.precision);
+        let thin = tolerance_rules::thin(&set, &shapes);
         let overlaps = overlaps(&shapes, &set, (None, MeasuredOverlaps::All), self.seen, self.stop);
         let all = overlaps.neighbours();
         self.seen.begin(Stage::Pairs, all.len());

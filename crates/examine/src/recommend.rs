@@ -141,8 +141,8 @@ mod tests {
     use super::*;
     use crate::{CheckedModel, Settings, WorkProgress, examine};
     use rockproof_model::Scene;
-    use rockproof_model::rules::{Rule, RuleSlack, Violation};
     use rockproof_model::scene::SceneFormat;
+    use rockproof_model::tolerance_rules::{Rule, RuleSlack, Violation};
     use rockproof_tune::{Differences, StepMeasures};
     use std::path::{Path, PathBuf};
     use std::sync::atomic::AtomicBool;

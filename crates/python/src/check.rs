@@ -11,7 +11,7 @@ use num_rational::BigRational;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rockproof_model::text::noun;
-use rockproof_model::{Block, Precision, ToleranceSet, Violation as BrokenRule, rules};
+use rockproof_model::{Block, Precision, ToleranceSet, Violation as BrokenRule, tolerance_rules};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, OverlapSeverity, Overlap as FoundOverlap, rounding_depth};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -200,11 +200,11 @@ pub(crate) fn check(
             }
         }
         let violations: Vec<Violation> =
-            rules::check_scene(&set, &model.scene, precision).iter().map(Violation::from).collect();
+            tolerance_rules::check_scene(&set, &model.scene, precision).iter().map(Violation::from).collect();
         let (overlaps, neighbours) = overlaps(&shapes, &set, stop);
         let is_sound = violations.is_empty() && overlaps.iter().all(|overlap| overlap.meaning != OverlapSeverity::Lost.name());
-        let fall = rules::fall(&set, &model.scene).map(|fall| {
-            let rules::Fall { block, weight, height, stiffness, needed, depth, allowed, remedy } = fall;
+        let fall = tolerance_rules::fall(&set, &model.scene).map(|fall| {
+            let tolerance_rules::Fall { block, weight, height, stiffness, needed, depth, allowed, remedy } = fall;
             Fall { block, weight, height, stiffness, needed, depth, allowed, remedy }
         });
         Ok(CheckReport { is_sound, violations, overlaps, fall, tolerances: Tolerances(set.into()), neighbours })

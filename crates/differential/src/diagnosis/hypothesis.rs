@@ -1,7 +1,7 @@
 //! What may be wrong with an engine.
 
 use super::question::{Asked, Question, Reply};
-use super::{answers, input, parts, rules, tolerances};
+use super::{altered_rules, answers, input, parts, tolerances};
 use crate::separation_state::ReportedState;
 use rockproof_model::{Contact, ToleranceSet};
 
@@ -54,7 +54,7 @@ pub(super) fn all() -> Vec<Box<dyn Hypothesis>> {
     all.extend(answers::all());
     all.extend(tolerances::all());
     all.extend(parts::all());
-    all.extend(rules::all());
+    all.extend(altered_rules::all());
     all
 }
 

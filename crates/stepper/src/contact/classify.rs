@@ -1,10 +1,10 @@
 //! The classification of a pair: rough phase, the four tests in their order, exits.
 
 use crate::contact::broad::{NearFeatures, neighbours, reach_of_kept};
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::nearby_features::{NearbyFeatures, Planes};
 use crate::contact::pair::{ExitCandidate, Pair};
 use crate::contact::prepared_block::PreparedBlock;
-use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::Observer;
 use crate::real::Real;

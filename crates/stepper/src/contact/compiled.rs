@@ -4,8 +4,8 @@
 //! [`CompiledContacts`] has no type parameter left. Other rules, those of tests, and other observers take the generic way.
 
 use crate::contact::classify::{ClassificationRequest, ComputedContact};
+use crate::contact::contact_rules::{ContactRules, SpecRules};
 use crate::contact::prepared_block::{Collapsed, CollapsedPart, PreparedBlock};
-use crate::contact::rules::{ContactRules, SpecRules};
 use crate::contact::trace::{Trace, Unobserved};
 use crate::lazy_wide::LazyWide;
 use crate::real::Real;

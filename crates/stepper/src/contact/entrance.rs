@@ -1,7 +1,7 @@
 //! Entrances: the planes through which two blocks enter one another, and which of them a contact takes.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::pair::Pair;
-use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;

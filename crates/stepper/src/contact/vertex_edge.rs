@@ -1,10 +1,10 @@
 //! Test 2: v-e, and e-v with the roles exchanged.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::Plane;
 use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::FaceOfEdge;
-use crate::contact::rules::ContactRules;
 use crate::contact::territory::distance_to_line;
 use crate::contact::trace::Observer;
 use crate::real::Real;

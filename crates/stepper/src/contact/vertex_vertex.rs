@@ -1,9 +1,9 @@
 //! Test 1: v-v.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::Plane;
 use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
-use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use rockproof_model::decision::{Feature, Predicate, Side};

@@ -1,8 +1,8 @@
 //! The contacts of a step in 512 bits, found in f64 wherever that settles a comparison ([`crate::lazy_wide`]).
 
 use crate::contact::{PreparedBlock, Tolerances, classify_with_kept};
-use crate::dynamics::engine::Dynamics;
-use crate::dynamics::rules::StepRules;
+use crate::dynamics::step::Dynamics;
+use crate::dynamics::step_rules::StepRules;
 use crate::dynamics::transfer;
 use crate::lazy_wide::{LazyWide, noted};
 use crate::real::Real;

@@ -7,7 +7,7 @@ use crate::search::SetRecipe;
 use crate::steps::{LockstepMeasures, StepMeasures};
 use rockproof_campaign::distribute::DistributeError;
 use rockproof_model::ToleranceSet;
-use rockproof_model::rules::{Rule, RuleSlack};
+use rockproof_model::tolerance_rules::{Rule, RuleSlack};
 use serde::{Deserialize, Serialize};
 
 /// What is to be done with a set.
