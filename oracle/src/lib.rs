@@ -30,7 +30,7 @@ pub mod rational;
 mod rule_variant;
 mod scales;
 mod separation;
-mod sign_ladder;
+mod sign_cascade;
 pub mod solve;
 #[cfg(test)]
 mod soundness;

@@ -33,7 +33,7 @@ impl Pair<'_> {
     pub fn classify_with_kept(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Answer {
         let mut run = Classification::new(self, tolerances, Unobserved).with_kept(kept);
         let contacts = run.classify();
-        Answer { contacts, levels: run.ladder.levels }
+        Answer { contacts, levels: run.cascade.levels }
     }
 
     /// Whether the pair passes the rough phase: A's box grown by s meets B's; **touching says yes**.

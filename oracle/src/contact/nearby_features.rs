@@ -119,7 +119,7 @@ impl Pair<'_> {
         }
         let mut run = Classification::new(self, tolerances, Unobserved).with_kept(kept);
         let contacts = run.classify_among(&nearby.pairs);
-        Answer { contacts, levels: run.ladder.levels }
+        Answer { contacts, levels: run.cascade.levels }
     }
 }
 

@@ -1,9 +1,9 @@
 //! One solve of an attempt in one number type, and what is asked of it: displacements, gaps and stretches, each calculated when first asked for.
 
 use super::attempt_state::{AttemptState, unmade};
+use super::cascade::EXACT_UNKNOWNS;
 use super::friction::SlipForce;
 use super::islands::islands_up_to;
-use super::ladder::EXACT_UNKNOWNS;
 use super::state::Mode;
 use super::system::{StepSupport, Stepwise, System};
 use rockproof_model::Vec3;

@@ -31,9 +31,9 @@ pub struct ModeMargin {
 /// When the step cannot be made: see [`StepFailure`].
 pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<ModeMargin>>, StepFailure> {
     let prepared = PreparedStep::new(model, state)?;
-    attempts(&prepared, |mut ladder, _, _, _| {
-        let solves = ladder.modes().to_vec();
-        let Some(chain) = ladder.double() else { return Ok(Vec::new()) };
+    attempts(&prepared, |mut cascade, _, _, _| {
+        let solves = cascade.modes().to_vec();
+        let Some(chain) = cascade.double() else { return Ok(Vec::new()) };
         let of_solve = |(solve, modes): (usize, &Vec<Mode>)| {
             modes.iter().enumerate().map(|(contact, mode)| margin(chain, solve, contact, *mode)).collect()
         };
@@ -49,10 +49,10 @@ pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<Mode
 /// When the step cannot be made: see [`StepFailure`].
 pub fn friction_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Option<f64>>, StepFailure> {
     let prepared = PreparedStep::new(model, state)?;
-    attempts(&prepared, |mut ladder, _, iterated, _| {
-        let mut modes = ladder.modes().to_vec();
+    attempts(&prepared, |mut cascade, _, iterated, _| {
+        let mut modes = cascade.modes().to_vec();
         modes.push(iterated.after);
-        let Some(chain) = ladder.double() else { return Ok(vec![None; modes.len() - 1]) };
+        let Some(chain) = cascade.double() else { return Ok(vec![None; modes.len() - 1]) };
         let of_solve = |(solve, modes): (usize, &[Vec<Mode>])| {
             let sums = chain.force_changes(chain.iterates.get(solve)?, [&modes[0], &modes[1]])?;
             let of_block = |[change, pressure]: &[_; 2]| {
