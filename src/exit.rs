@@ -12,7 +12,7 @@ use std::time::Instant;
 
 /// How much a command says beside its result.
 #[derive(clap::Args)]
-pub(crate) struct TalkArgs {
+pub(crate) struct VerbosityArgs {
     /// Say nothing on stderr but errors: no progress, no notes
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
@@ -29,7 +29,7 @@ pub(crate) fn shows_progress() -> bool {
     io::stderr().is_terminal() && !QUIET.load(Ordering::Relaxed)
 }
 
-impl TalkArgs {
+impl VerbosityArgs {
     /// Makes it hold from now on.
     pub(crate) fn apply(&self) {
         QUIET.store(self.quiet, Ordering::Relaxed);

@@ -24,7 +24,7 @@ use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::tally::{CampaignTally, TallyRow};
 use rockproof_gate::{self, Check, corpus, junit, limit_scope, summary};
 use rockproof_model::files::read_text;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_report::load::Results;
 use rockproof_report::step_verdict::step_line;
 use rockproof_report::verdict::VerdictLine;
@@ -140,7 +140,7 @@ impl Gate {
         for limit in config.limit.iter().map(toml::Spanned::get_ref) {
             let file = self.file.display();
             if let Some(found) = limit.engine.as_ref().filter(|name| !allowed.contains(&name.as_str())) {
-                let found = excerpt(found, SHOWN);
+                let found = excerpt(found, EXCERPT_LENGTH);
                 anyhow::bail!("{file}: limit: engine is \"{found}\"; allowed are {}", allowed.join(", "));
             }
             let names = |list: &Option<String>| list.iter().cloned().collect::<Vec<_>>();

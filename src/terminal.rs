@@ -95,7 +95,7 @@ pub(crate) fn beside<T>(show: impl FnOnce(&AtomicBool) + Send, work: impl FnOnce
 }
 
 /// How often a bar moves.
-pub(crate) const MOVES: Duration = Duration::from_millis(200);
+pub(crate) const BAR_INTERVAL: Duration = Duration::from_millis(200);
 
 impl Progress<'_> {
     /// Shows it until `work` ends, and gives what that gives.
@@ -133,7 +133,7 @@ impl Progress<'_> {
                 }
                 None => {}
             }
-            std::thread::park_timeout(MOVES);
+            std::thread::park_timeout(BAR_INTERVAL);
         }
         if let Some(bar) = bar {
             bar.finish_and_clear();

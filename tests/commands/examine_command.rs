@@ -37,7 +37,7 @@ velocity = [50, 0, 0]
 "#;
 
 /// Two cubes on a floor a kilometre from the origin, 10 µm apart: less than f32 resolves there.
-const FAR: &str = r#"
+const FAR_FROM_TIE: &str = r#"
 [[block]]
 fixed = true
 box = { min = [999, -1, -1], max = [1003, 3, 0] }
@@ -227,7 +227,7 @@ fn pairs_that_pass_through_one_another_are_named() {
 #[test]
 fn differences_far_from_the_origin_are_kept_as_cases() {
     let place = Place::new();
-    place.file("far.toml", FAR);
+    place.file("far.toml", FAR_FROM_TIE);
     let (code, out, err) = place.run(&["examine", "far.toml", "--no-tune", "--out", "found"]);
     assert!(code == 0 || code == 1, "{err}");
     let document = document_of(&place, "found");

@@ -3,7 +3,7 @@
 
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::answer::{StepDecisions, compare};
-use rockproof_differential::lockstep::run::KEEP;
+use rockproof_differential::lockstep::run::KEPT_PRECISION;
 use rockproof_differential::lockstep::scene::ExactScene;
 use rockproof_differential::lockstep::state::{converted, exact_state};
 use rockproof_differential::lockstep::state_errors::{anchor_error, largest_distance, rate_error};
@@ -57,7 +57,7 @@ fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
     let mut ties = Ties::default();
     for _ in 0..steps {
         let number = state.step as i64 + 1 - i64::from(state.settling);
-        let exact = scene.step(&exact_state(&state).unwrap(), KEEP);
+        let exact = scene.step(&exact_state(&state).unwrap(), KEPT_PRECISION);
         let stepped = wide.step(&state).unwrap();
         sooner_is_the_same(&format!("{name}, step {number}"), &wide.decide(&state).unwrap(), &stepped);
         ties.steps += usize::from(stepped.unsettled > 0);

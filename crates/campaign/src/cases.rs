@@ -7,7 +7,7 @@ use super::shrink::Shrinker;
 use super::steps::{self, StepFinding, StepFindingRow};
 use rockproof_differential::attribution::examine;
 use rockproof_differential::case_file::Case;
-use rockproof_differential::finding::{FAR, Finding, Fingerprint};
+use rockproof_differential::finding::{FAR_FROM_TIE, Finding, Fingerprint};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::row::FindingRow;
 use rockproof_differential::subject::Subject;
@@ -22,7 +22,7 @@ const STEP_CASES: u64 = 4;
 pub(super) fn case_request(row: &FindingRow) -> CaseRequest {
     let fingerprint = Fingerprint::of_row(row);
     let name = format!("{}.toml", fingerprint.file_stem(&row.tolerances, row.index));
-    let far = row.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR);
+    let far = row.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR_FROM_TIE);
     let furthest = far.map(|ulps| FurthestFinding {
         key: format!("furthest {} {}", row.engine, row.cause),
         decade: ulps.log10().floor() as u64,

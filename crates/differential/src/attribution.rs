@@ -15,7 +15,7 @@ use super::compare::{AnswerChange, Difference, Features, differences};
 use super::engine::{
     Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Shortage, Trace, catch_panic,
 };
-use super::explain::{ChainLink, explain, suspect};
+use super::explain::{ChainLink, explain, nearest_decisions};
 use super::external::protocol::completed;
 use super::finding::{Cause, DecidingDecision, Finding, FindingScope};
 use super::metamorphic;
@@ -510,7 +510,7 @@ impl<'p> Examiner<'p> {
                 roundoff: Some(at.engine.precision().epsilon() / 2.0),
             };
             let outside = at.engine.cause() == Cause::Engine;
-            let told = if outside { suspect } else { explain };
+            let told = if outside { nearest_decisions } else { explain };
             let reasons = told(&changed, &link, self.features);
             for (difference, deciding) in changed.into_iter().zip(reasons) {
                 if self.wanted.is_some_and(|wanted| !wanted.includes_decided_by(deciding.as_ref())) {

@@ -10,7 +10,7 @@ use super::finding::{Cause, Finding, FindingScope};
 use super::subject::{Subject, SubjectSet};
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::files::read_text;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{
     Block, BlockError, BlockOptions, Contact, ContactKey, ContactKind, Criteria, Entrance, EntranceKind, Number, Point,
     Precision, Sign, SpecError, ToleranceSet, ToleranceSpec, VertexId,
@@ -363,12 +363,17 @@ impl Case {
             if allowed.contains(&found) {
                 return Ok(());
             }
-            let (file, found, allowed) = (file.clone(), excerpt(found, SHOWN), allowed.join(", "));
+            let (file, found, allowed) = (file.clone(), excerpt(found, EXCERPT_LENGTH), allowed.join(", "));
             Err(CaseError::Value { file, key, found, allowed })
         };
         if !["any", "f32", "f64"].contains(&about.engine.as_str()) && !is_name(&about.engine) {
             let allowed = "any, f32, f64, and names of letters, digits, '-', '_' and '.'".to_owned();
-            return Err(CaseError::Value { file, key: "engine", found: excerpt(&about.engine, SHOWN), allowed });
+            return Err(CaseError::Value {
+                file,
+                key: "engine",
+                found: excerpt(&about.engine, EXCERPT_LENGTH),
+                allowed,
+            });
         }
         for (key, margin) in [("margin", about.margin), ("margin_ulps", about.margin_ulps)] {
             if let Some(found) = margin.filter(|margin| !margin.is_finite()) {
@@ -388,7 +393,7 @@ impl Case {
         for row in about.expected.iter().chain(&about.found) {
             if row.contact().is_none() {
                 let allowed = "kinds v-v v-e e-v v-f f-v e-e, entrances v-f f-v e-e, gap signs -1 0 1".to_owned();
-                let found = excerpt(&format!("{row:?}"), SHOWN);
+                let found = excerpt(&format!("{row:?}"), EXCERPT_LENGTH);
                 return Err(CaseError::Value { file, key: "expected or found", found, allowed });
             }
         }

@@ -79,7 +79,7 @@ impl Assessment {
 
     /// Whether nothing is wrong with the model under this set, something was tried, and what is wrong could have been seen.
     pub fn is_safe(&self, precision: Precision) -> bool {
-        self.harm(precision) == [0; 5] && self.tries_contacts() && self.thin.is_none()
+        self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.thin.is_none()
     }
 
     /// Whether there were contacts to be wrong: blocks near one another at the start, or in the steps.
@@ -88,7 +88,7 @@ impl Assessment {
     }
 
     /// What is wrong, each zero where nothing is: rules violated, overlaps not held, pairs broken, pairs that pass through one another, steps that cannot be made.
-    pub(crate) fn harm(&self, precision: Precision) -> [u64; 5] {
+    pub(crate) fn fault_counts(&self, precision: Precision) -> [u64; 5] {
         let [_, broken] = self.differing(precision);
         let passing = self.steps.made().map_or(0, |made| made.passages.len() + made.unseen.len());
         let not_made = self.steps.object() && passing == 0;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use rockproof_differential::attribution::{EnginePanel, examine};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::compare::AnswerChange;
-use rockproof_differential::finding::{Cause, FAR, Finding, FindingScope};
+use rockproof_differential::finding::{Cause, FAR_FROM_TIE, Finding, FindingScope};
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::{Block, Precision};
 use rockproof_report::sections::CHOICES;
@@ -74,7 +74,7 @@ impl EngineDifferences {
 pub(crate) fn is_broken(finding: &Finding) -> bool {
     let no_answer = matches!(finding.difference.change, AnswerChange::Collapsed | AnswerChange::Failure);
     let is_choice = finding.predicate().is_some_and(|predicate| CHOICES.contains(&predicate));
-    let is_far = !is_choice && finding.margin_ulps().is_some_and(|ulps| ulps.abs() > FAR);
+    let is_far = !is_choice && finding.margin_ulps().is_some_and(|ulps| ulps.abs() > FAR_FROM_TIE);
     no_answer || finding.cause == Cause::Defect || is_far
 }
 

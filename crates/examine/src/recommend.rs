@@ -22,12 +22,12 @@ pub enum Recommendation {
         refused: usize,
     },
     /// Another set.
-    Other(Box<OtherSet>),
+    Other(Box<PreferredSet>),
 }
 
 /// A set that the search prefers.
 #[derive(Clone, Debug)]
-pub struct OtherSet {
+pub struct PreferredSet {
     /// Sets that were tried.
     pub candidates: usize,
     /// Sets that the search prefers to this one, and under which the examination found the model to be no better than under the set given.
@@ -67,7 +67,7 @@ pub(crate) fn better(
         let Some(assessed) = assess(&one.set)? else { return Ok(None) };
         let measured = [one.measurement.clone(), author.measurement.clone()];
         let (origin, said) = (one.origin.name(), String::new());
-        let mut other = OtherSet { candidates, refused, origin, assessed, measured, text: said };
+        let mut other = PreferredSet { candidates, refused, origin, assessed, measured, text: said };
         if other.is_better_than(given, precision) {
             let remark = "tolerances.toml is not the set that the search calls the best: with that one the model itself does no better.";
             other.text = if refused == 0 { text() } else { format!("{remark}\n\n{}", text()) };
@@ -77,7 +77,7 @@ pub(crate) fn better(
     Ok(Some(Recommendation::Given { candidates, refused: preferred.len() }))
 }
 
-impl OtherSet {
+impl PreferredSet {
     /// Whether the model does better with it: it is safe where it was not, or less of something is wrong and more of nothing. That the nearest rule is met by
     /// more, or that blocks sink less, is no reason to leave a set.
     fn is_better_than(&self, given: &Assessment, precision: Precision) -> bool {
@@ -85,7 +85,7 @@ impl OtherSet {
         if given.tries_contacts() && !self.assessed.tries_contacts() {
             return false;
         }
-        let [ours, theirs] = [&self.assessed, given].map(|assessed| assessed.harm(precision));
+        let [ours, theirs] = [&self.assessed, given].map(|assessed| assessed.fault_counts(precision));
         match (self.assessed.is_safe(precision), given.is_safe(precision)) {
             (true, true) => is_less(self.counts(given, precision).map(|(_, ours, theirs)| [ours, theirs])),
             (true, false) => true,
@@ -96,9 +96,8 @@ impl OtherSet {
     /// What goes wrong with it and with the set given, by its name in the plural.
     fn counts(&self, given: &Assessment, precision: Precision) -> [(&'static str, u64, u64); 6] {
         let [ours, theirs] = &self.measured;
-        let [harm, their_harm] = [&self.assessed, given].map(|assessed| assessed.harm(precision));
-        let [_, _, broken, passing, not_made] = harm;
-        let [_, _, their_broken, their_passing, their_not_made] = their_harm;
+        let [[_, _, broken, passing, not_made], [_, _, their_broken, their_passing, their_not_made]] =
+            [&self.assessed, given].map(|assessed| assessed.fault_counts(precision));
         [
             ("rules violated", ours.violated.len() as u64, theirs.violated.len() as u64),
             ("overlaps not held", ours.lost_pairs, theirs.lost_pairs),
@@ -179,7 +178,7 @@ mod tests {
     fn is_better(ours: (&Assessment, Measurement), theirs: (&Assessment, Measurement)) -> bool {
         let measured = [ours.1, theirs.1];
         let (assessed, text) = (ours.0.clone(), String::new());
-        let set = OtherSet { candidates: 2, refused: 0, origin: "auto", assessed, measured, text };
+        let set = PreferredSet { candidates: 2, refused: 0, origin: "auto", assessed, measured, text };
         set.is_better_than(theirs.0, Precision::F64)
     }
 
@@ -202,7 +201,7 @@ mod tests {
         let measured = || measured(0, 0, 2.0);
         assert!(is_better((&safe, measured()), (&sunk, measured())), "safe");
         assert!(!is_better((&sunk, measured()), (&safe, measured())), "no longer safe");
-        assert!(!is_better((&sunk, measured()), (&sunk, measured())), "the same harm");
+        assert!(!is_better((&sunk, measured()), (&sunk, measured())), "the same faults");
         let violation = || {
             let remedy = String::new();
             vec![Violation { rule: Rule::Search, found: 1.0, allowed: 2.0, place: None, remedy }]

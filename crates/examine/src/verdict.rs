@@ -73,7 +73,7 @@ impl Verdict {
                     found.name
                 ),
             ),
-            (false, false) if doubt.is_none() && found.given.harm(precision) == [0; 5] => {
+            (false, false) if doubt.is_none() && found.given.fault_counts(precision) == [0; 5] => {
                 (NOT_DECIDED, format!("{NOT_DECIDED}: {reasons}"))
             }
             (false, false) => ("not safe", format!("not safe: {reasons}")),

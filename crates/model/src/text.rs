@@ -1,7 +1,7 @@
 //! Texts of others in our messages and tables: block names, file names, what an engine says.
 
 /// So many characters of a text are shown where nothing else is said.
-pub const SHOWN: usize = 200;
+pub const EXCERPT_LENGTH: usize = 200;
 
 /// A text on one line that a terminal takes for text: control characters are escaped (`\n`, `\u{1b}`), those that turn the direction of
 /// writing too, and what comes after `longest` characters is cut off.

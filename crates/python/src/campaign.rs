@@ -12,8 +12,8 @@ use pyo3::types::{PyDict, PyString};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
 use rockproof_campaign::families as made;
-use rockproof_campaign::in_memory::Examined;
-use rockproof_campaign::journal::Seen;
+use rockproof_campaign::in_memory::CampaignOutcome;
+use rockproof_campaign::journal::ProgressCounts;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_campaign::summary::SummaryRow;
@@ -38,7 +38,7 @@ const MAX_THREADS: usize = 1024;
 pub(crate) struct CampaignRun {
     source: FamilySource,
     pairs: u64,
-    found: Examined,
+    found: CampaignOutcome,
     seconds: f64,
 }
 
@@ -245,7 +245,7 @@ pub(crate) fn run_campaign(
     let panel =
         EnginePanel { oracle: Box::new(BuiltinOracle), engines: all(), metamorphic_every: config.metamorphic_every };
     let started = Instant::now();
-    let seen = Seen::default();
+    let seen = ProgressCounts::default();
     let counted = |count: &AtomicU64| count.load(Ordering::Relaxed);
     let tick = |py: Python<'_>| match &progress {
         None => Ok(()),

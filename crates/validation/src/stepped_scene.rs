@@ -120,7 +120,7 @@ pub fn vector([x, y, z]: [f64; 3]) -> Result<Vec3<Number>, CaseFailure> {
 ///
 /// # Errors
 /// Never; the names are known.
-pub fn without_play() -> Result<ToleranceSpec, CaseFailure> {
+pub fn without_open_close_tolerance() -> Result<ToleranceSpec, CaseFailure> {
     let mut tolerances = ToleranceSpec::default();
     tolerances.set_text("open", "0")?;
     tolerances.set_text("close", "0")?;

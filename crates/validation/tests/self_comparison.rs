@@ -13,7 +13,7 @@ use rockproof_validation::self_comparison::compare::{OtherPaths, compare};
 use rockproof_validation::self_comparison::disagreement::DisagreementRow;
 use rockproof_validation::self_comparison::paths::{BuiltIn, PathName, Paths, Question};
 use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, MAX_CASES, RecordError};
-use rockproof_validation::self_comparison::run::{Comparison, Seen};
+use rockproof_validation::self_comparison::run::{Comparison, ProgressCounts};
 use rockproof_validation::self_comparison::total::Total;
 use std::collections::BTreeMap;
 use std::fs;
@@ -118,7 +118,7 @@ fn run_until(
 ) -> Result<Ending, RecordError> {
     let config = PairConfig::default();
     let mut record = ComparisonRecord::open(dir, plan, &config, start)?;
-    Comparison { paths, config: &config, threads }.run(&mut record, stop, &Seen::default())
+    Comparison { paths, config: &config, threads }.run(&mut record, stop, &ProgressCounts::default())
 }
 
 /// The files that must be the same bytes whatever happened: not the state, which holds times, nor the signs by level, which depend a little on what a

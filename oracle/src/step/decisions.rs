@@ -107,9 +107,9 @@ impl StepDecision for FrictionSettled<'_> {
 }
 
 /// Which block moves a vertex beyond u.
-pub(crate) struct TooFar;
+pub(crate) struct DisplacementExceeded;
 
-impl StepDecision for TooFar {
+impl StepDecision for DisplacementExceeded {
     type Answer = Option<usize>;
     fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
         let iterate = chain.iterates.last()?;
@@ -127,9 +127,9 @@ impl StepDecision for TooFar {
 }
 
 /// Which block turns beyond ω.
-pub(crate) struct TooTurned;
+pub(crate) struct RotationExceeded;
 
-impl StepDecision for TooTurned {
+impl StepDecision for RotationExceeded {
     type Answer = Option<usize>;
     fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
         let iterate = chain.iterates.last()?;

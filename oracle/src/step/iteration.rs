@@ -4,7 +4,7 @@ use super::answer::{FailedAttempt, IterationEnd, RetryReason, SLIPPING_SOLVES, S
 use super::attempt::Attempt;
 use super::attempt_state::AttemptState;
 use super::cascade::{Cascade, StepLevelCounts};
-use super::decisions::{FrictionSettled, Inverted, NextMode, TooFar, TooTurned};
+use super::decisions::{DisplacementExceeded, FrictionSettled, Inverted, NextMode, RotationExceeded};
 use super::prepare::PreparedStep;
 use super::state::Mode;
 use crate::number::Ball;
@@ -102,8 +102,8 @@ fn has_settled(cascade: &mut Cascade<'_>, modes: [&[Mode]; 2]) -> bool {
 }
 
 fn beyond_limits(cascade: &mut Cascade<'_>) -> Option<(RetryReason, usize)> {
-    let far = cascade.ask(&TooFar).flatten().map(|block| (RetryReason::Displacement, block));
-    far.or_else(|| cascade.ask(&TooTurned).flatten().map(|block| (RetryReason::Rotation, block)))
+    let far = cascade.ask(&DisplacementExceeded).flatten().map(|block| (RetryReason::Displacement, block));
+    far.or_else(|| cascade.ask(&RotationExceeded).flatten().map(|block| (RetryReason::Rotation, block)))
 }
 
 /// A block of which the rotations and strains are together below this keeps its volume positive: the linear part of its map is I + E, a row of E

@@ -168,7 +168,7 @@ impl<S: Field> System<'_, '_, S> {
         for &(k, contact) in &self.closed {
             let (mode, joint) = (self.modes[k], &chain.joints[k]);
             let rows = chain.attempt.started[k].blocks.map(|block| self.places[block]);
-            let pulls = [0, 1].map(|side: usize| frame::pull(&contact.points[side], &contact.normal));
+            let pulls = [0, 1].map(|side: usize| frame::generalized(&contact.points[side], &contact.normal));
             let stiffness = joint.normal.times(&contact.over_square);
             let shear = joint.shear.times(&contact.over_square);
             // What acts at no displacement: the springs on h0 and s0, and f.
@@ -177,13 +177,14 @@ impl<S: Field> System<'_, '_, S> {
                 None => (stiffness.minus(&shear), contact.stretch.scaled(&joint.shear)),
             };
             let sideways = self.friction[k].as_ref().filter(|slip| !slip.spring.is_zero());
-            let sideways = sideways
-                .map(|slip| (&slip.spring, [0, 1].map(|side: usize| frame::pull(&contact.points[side], &slip.across))));
+            let sideways = sideways.map(|slip| {
+                (&slip.spring, [0, 1].map(|side: usize| frame::generalized(&contact.points[side], &slip.across)))
+            });
             let push = stiffness.times(&contact.gap);
             let lines = [0, 1].map(|side: usize| frame::rows(&contact.points[side]));
             for one in 0..2 {
                 let Some(row) = rows[one] else { continue };
-                let force = frame::pull(&contact.points[one], &tangential);
+                let force = frame::generalized(&contact.points[one], &tangential);
                 system.add_right(row, |r| {
                     let sum = pulls[one][r].times(&push).plus(&force[r]);
                     if one == 0 { sum.negated() } else { sum }

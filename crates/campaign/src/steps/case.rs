@@ -2,7 +2,7 @@
 
 use super::engine::{ComparedPairStep, StepEngine};
 use super::finding::{StepChange, StepFinding};
-use crate::shrink::{Asked, BlockShrinker, Refusals};
+use crate::shrink::{BlockQuestion, BlockShrinker, Refusals};
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::lockstep::case_file::Expected;
@@ -107,9 +107,9 @@ impl ShownStep {
         mut evaluations: u64,
     ) {
         let mut blocks = [self.subject.a.clone(), self.subject.b.clone()];
-        let mut shows = |asked: Asked<'_>| {
+        let mut shows = |asked: BlockQuestion<'_>| {
             evaluations = evaluations.checked_sub(1)?;
-            let Asked::Now([a, b]) = asked else { return Some(false) };
+            let BlockQuestion::Now([a, b]) = asked else { return Some(false) };
             let subject = Subject { a: a.clone(), b: b.clone(), ..self.subject.clone() };
             let made = again(&subject, &self.motion);
             let is_shown = made.is_some();

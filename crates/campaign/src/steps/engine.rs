@@ -1,7 +1,7 @@
 //! What makes the steps of a campaign: the stepper beside the oracle, in f32 or f64.
 
 use rockproof_differential::collapse::collapsed_feature;
-use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Drifting, Lockstep};
+use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, DriftQuantity, Lockstep};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{Subject, SubjectSet};
 use rockproof_model::Precision;
@@ -18,7 +18,7 @@ pub struct ComparedPairStep {
     /// The state before it.
     pub before: SavedState,
     /// What differs of the state after it where all decisions are the same, and as much in 512 bits: no rounding.
-    pub drift: Option<Drifting>,
+    pub drift: Option<DriftQuantity>,
     /// Contacts by their mode after the last solve of the oracle: open, sliding, locked.
     pub modes: [u64; 3],
     /// Contacts that, exactly, chattered: closed after one solve and open after another of the accepted attempt.

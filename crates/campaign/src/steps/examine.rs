@@ -162,7 +162,7 @@ fn penetration_change(subject: &Subject, precision: Precision, made: &ComparedPa
     let largest = coordinates.map(|c| c.approximate().abs()).fold(0.0, f64::max);
     let rounding = ROUNDOFFS * precision.epsilon() / 2.0 * largest;
     let change = stepper - oracle;
-    if change.abs() <= rounding.max(StepPenetrations::NOTHING * stepper.max(oracle)) {
+    if change.abs() <= rounding.max(StepPenetrations::NEGLIGIBLE_SHARE * stepper.max(oracle)) {
         return None;
     }
     Some(if change > 0.0 { StepChange::Deeper } else { StepChange::Shallower })

@@ -1,7 +1,7 @@
 //! Hypotheses about rules: `<` for `≤` and the other way round at exact ties, and rules that are not there.
 
 use super::hypothesis::Hypothesis;
-use super::question::Asked;
+use super::question::PreparedQuestion;
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Contact, Sign};
 use rockproof_oracle::RuleVariant;
@@ -72,7 +72,7 @@ impl Hypothesis for AlteredRule {
         }
     }
 
-    fn contacts(&self, asked: &Asked<'_>) -> Option<Vec<Contact>> {
+    fn contacts(&self, asked: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
         let variant = match *self {
             AlteredRule::Tie(predicate, taken) => RuleVariant::Tie(predicate, taken),
             AlteredRule::Always(predicate, answer) => RuleVariant::Always(predicate, answer),

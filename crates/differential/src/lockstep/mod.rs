@@ -24,7 +24,7 @@ pub mod wide;
 
 pub use answer::{StepAnswerChange, StepDecisions, StepDifference, compare};
 pub use case_file::StepCase;
-pub use drift::{Drift, Drifting};
+pub use drift::{Drift, DriftQuantity};
 pub use explain::{AttributedDifference, ComparedLinks};
 pub use free::FreeStepping;
 pub use intrusion::{Intrusion, StepCause, WatchedStep};

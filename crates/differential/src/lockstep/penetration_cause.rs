@@ -55,13 +55,13 @@ pub struct StepPenetrations {
 
 impl StepPenetrations {
     /// Changes below this share of the larger penetration are none.
-    pub const NOTHING: f64 = 1.0 / 1_048_576.0;
+    pub const NEGLIGIBLE_SHARE: f64 = 1.0 / 1_048_576.0;
 
     /// The largest of the three parts of the change from the oracle's to the stepper's penetration; of equal ones the first of
-    /// classification, iteration, arithmetic. None, when the change is below [`StepPenetrations::NOTHING`].
+    /// classification, iteration, arithmetic. None, when the change is below [`StepPenetrations::NEGLIGIBLE_SHARE`].
     pub fn effect(&self) -> PenetrationCause {
         let change = self.stepper - self.oracle;
-        if change.abs() <= StepPenetrations::NOTHING * self.stepper.max(self.oracle) {
+        if change.abs() <= StepPenetrations::NEGLIGIBLE_SHARE * self.stepper.max(self.oracle) {
             return PenetrationCause::None;
         }
         let parts = [

@@ -5,7 +5,7 @@ use crate::block::error::BlockError;
 use crate::block::face_intersection::{FaceIntersection, TriangulatedFaces};
 use crate::block::merge;
 use crate::block::planarity::Planarity;
-use crate::block::polynomials::{Area, Kappa, Orientation, SameSide, Volume};
+use crate::block::polynomials::{Area, EdgeConvexity, Orientation, SameSide, Volume};
 use crate::block::simple::check_simple;
 use crate::block::triangles::TriangulatedFace;
 use crate::block::{Block, BlockOptions, BlockShape, Merged, Merging, Point};
@@ -171,7 +171,7 @@ fn check_merged(draft: &BlockDraft, options: &BlockOptions) -> Result<Vec<Sign>,
 fn signs_of_edges(surface: &Surface<'_>, draft: &BlockDraft) -> Result<Vec<Sign>, BlockError> {
     let sign = |edge: &Edge| {
         let &Edge { p, q, left, right } = edge;
-        let sign = surface.sign(&Kappa { p, q, left, right });
+        let sign = surface.sign(&EdgeConvexity { p, q, left, right });
         if sign.is_zero() && !surface.sign(&SameSide { left, right }).is_positive() {
             let [p, q] = [p, q].map(|v| draft.vertex_names[v.index()]);
             let [left, right] = [left, right].map(|f| draft.face_names[f.index()]);

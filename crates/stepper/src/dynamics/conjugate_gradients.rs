@@ -20,12 +20,12 @@ const MAX_PRODUCTS_OF_OLD_FACTOR: u32 = 8;
 const TELLING: u32 = 2;
 
 /// Conjugate gradients for a system, preconditioned by a factor in f32.
-pub(super) struct Refining<'r, 'p, 's, R> {
+pub(super) struct CorrectedSystem<'r, 'p, 's, R> {
     pub(super) products: &'r Products<'p, 's, R>,
     pub(super) factor: &'r [f32],
 }
 
-impl<R: Solve> Refining<'_, '_, '_, R> {
+impl<R: Solve> CorrectedSystem<'_, '_, '_, R> {
     /// The solution, if the iteration ends. `before` is that of an earlier matrix, whose factor it then is: the iteration begins with it, and
     /// is given up when it will not end soon. It ends by the same measure, so it is as exact.
     pub(super) fn solve(&self, force: &[R], before: Option<&[R]>) -> Option<Vec<R>> {

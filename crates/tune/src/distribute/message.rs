@@ -151,7 +151,7 @@ pub(super) fn unreadable(rank: usize, what: &str) -> DistributeError {
 }
 
 /// A message that nobody asked for.
-pub(super) fn unasked(rank: usize) -> DistributeError {
+pub(super) fn unexpected_message(rank: usize) -> DistributeError {
     unreadable(rank, "nobody asked for it")
 }
 

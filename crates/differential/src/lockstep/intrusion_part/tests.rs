@@ -1,5 +1,5 @@
 use super::*;
-use crate::lockstep::intrusion::{Intruded, Intrusion};
+use crate::lockstep::intrusion::{Intrusion, PairIntrusion};
 use crate::lockstep::intrusion_case::{IntrusionCase, MAX_BLOCKS, NoCase, intrusion_case};
 use rockproof_model::{Block, Number, SceneBlock, Vec3};
 
@@ -62,7 +62,7 @@ fn case(scene: &Scene, set: &ToleranceSet) -> Result<IntrusionCase, NoCase> {
     let exactly = ExactScene::new(scene, set);
     let states = [&before, dynamics.state()].map(|state| exact_state(state).expect("finite"));
     let all = Intrusions::among(&[0, 1], &exactly, states.each_ref(), &Number::ZERO);
-    let passage: &Intruded = all.between(Intrusion::Passage, [0, 1]).expect("a passage");
+    let passage: &PairIntrusion = all.between(Intrusion::Passage, [0, 1]).expect("a passage");
     let found = FoundIntrusion { kind: passage.kind, blocks: [0, 1], depth_m: passage.depth.expect("a depth") };
     intrusion_case(scene, set, Precision::F64, &before, found)
 }
