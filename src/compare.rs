@@ -37,7 +37,7 @@ pub(crate) struct Compare {
     /// Discard the report in that directory; other files there stay
     #[arg(long, requires = "out")]
     overwrite: bool,
-    /// Exit with 1 if a sort of findings fared so; may be repeated
+    /// Exit with 1 if a sort of findings has changed so; may be repeated
     #[arg(long, value_enum, value_name = "TREND", value_delimiter = ',')]
     deny: Vec<DeniedTrend>,
 }
@@ -59,7 +59,7 @@ enum DeniedTrend {
     New,
     /// More pairs have one
     More,
-    /// As many pairs have one, but others
+    /// As many pairs have one, but other pairs
     Other,
 }
 

@@ -13,10 +13,10 @@ use std::time::Instant;
 /// How much a command says beside its result.
 #[derive(clap::Args)]
 pub(crate) struct VerbosityArgs {
-    /// Say nothing on stderr but errors: no progress, no notes
+    /// Print nothing on stderr but errors: no progress, no notes
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
-    /// Say at the end how long it took, and how much memory where the system tells
+    /// At the end print the run time, and the memory where the system reports it
     #[arg(short, long, global = true)]
     verbose: bool,
 }

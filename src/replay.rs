@@ -22,7 +22,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::io::{self, Write};
 
-/// Show what each engine and the oracle say about a case, decision by decision where they part
+/// Show what each engine and the oracle say about a case, decision by decision where they differ
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof replay reports/campaign-1/cases/v-f-arithmetic-….toml

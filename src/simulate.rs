@@ -462,11 +462,12 @@ impl Display {
 fn line(report: &StepReport) -> String {
     let contacts: u32 = report.contacts.iter().flatten().sum();
     format!(
-        "{}, {} s, Δt {} s, {contacts} contacts, {} iterations, {} J kinetic, {} J potential",
+        "{}, {} s, Δt {} s, {}, {}, {} J kinetic, {} J potential",
         step_in_words(report.step),
         short(report.time),
         short(report.time_step),
-        report.iterations,
+        counted(contacts.into(), "contact", "contacts"),
+        counted(report.iterations.into(), "iteration", "iterations"),
         short(report.kinetic),
         short(report.potential())
     )
@@ -642,7 +643,8 @@ fn write_lockstep(out: &mut String, counts: &BTreeMap<String, u64>) -> std::fmt:
     let count = |name: &str| counts.get(name).copied().unwrap_or(0);
     let by_cause: Vec<String> =
         table::CAUSES.iter().map(|&cause| format!("{} {cause}", grouped(differences(counts, cause)))).collect();
-    writeln!(out, "lockstep         {} of {} steps differ", grouped(count("steps_differing")), grouped(*steps))?;
+    let all = counted(*steps, "step differs", "steps differ");
+    writeln!(out, "lockstep         {} of {all}", grouped(count("steps_differing")))?;
     writeln!(out, "differences      {}", by_cause.join(", "))?;
     writeln!(out, "undecided        {} of the oracle", counted(count("undecided"), "decision", "decisions"))?;
     let ratio = count("oracle_microseconds") as f64 / count("stepper_microseconds").max(1) as f64;

@@ -197,7 +197,7 @@ fn no_set_is_recommended_with_which_a_safe_model_is_not_safe() {
     let (code, out, err) = place.run(&["examine", "wall.toml", "--out", "found"]);
     assert!(code == 0 && out.starts_with("safe: "), "{out}{err}");
     let set = out.lines().find(|line| line.contains(" set ")).expect("a line about the set");
-    assert!(set.contains("with which the model itself does no better"), "{out}");
+    assert!(set.contains("with which the whole model does no better"), "{out}");
     // Whatever is written as the set to use is safe, here the set given.
     let (code, out, err) =
         place.run(&["examine", "wall.toml", "--tolerances", "found/tolerances.toml", "--no-tune", "--out", "again"]);

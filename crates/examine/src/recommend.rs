@@ -69,7 +69,7 @@ pub(crate) fn better(
         let (origin, said) = (one.origin.name(), String::new());
         let mut other = PreferredSet { candidates, refused, origin, assessed, measured, text: said };
         if other.is_better_than(given, precision) {
-            let remark = "tolerances.toml is not the set that the search calls the best: with that one the model itself does no better.";
+            let remark = "tolerances.toml is not the set that the search calls the best: with that one the whole model does no better.";
             other.text = if refused == 0 { text() } else { format!("{remark}\n\n{}", text()) };
             return Ok(Some(Recommendation::Other(Box::new(other))));
         }
@@ -104,7 +104,7 @@ impl PreferredSet {
             ("pairs broken", broken, their_broken),
             ("pairs through one another", passing, their_passing),
             ("steps that cannot be made", not_made, their_not_made),
-            ("pairs that differ, moved ones among them,", ours.differences.avoidable(), theirs.differences.avoidable()),
+            ("differing pairs (with moved copies)", ours.differences.avoidable(), theirs.differences.avoidable()),
         ]
     }
 
@@ -123,7 +123,7 @@ impl PreferredSet {
         }
         let [slack, theirs_slack] = [ours, theirs].map(|measured| format!("{:.2}", measured.tightest.factor));
         if slack != theirs_slack {
-            figures.push(format!("the nearest rule met {slack} times instead of {theirs_slack}"));
+            figures.push(format!("the tightest rule met by a factor of {slack} instead of {theirs_slack}"));
         }
         figures
     }

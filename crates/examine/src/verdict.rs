@@ -201,8 +201,8 @@ fn model(found: &Examination, doubt: Option<&str>) -> Line {
 fn rules(given: &Assessment, scene: &Scene, name: &str, precision: Precision) -> Line {
     if given.violations.is_empty() {
         let nearest = nearest_rule(scene, &given.set, precision);
-        let nearest =
-            nearest.map_or(String::new(), |(factor, formula)| format!(", the nearest {factor:.2} times: {formula}"));
+        let nearest = nearest
+            .map_or(String::new(), |(factor, formula)| format!(", the tightest by a factor of {factor:.2}: {formula}"));
         return line("rules", Severity::Good, format!("all met by {name} in {precision}{nearest}"));
     }
     let formulas: Vec<&str> = given.violations.iter().map(|violation| violation.rule.formula()).collect();
@@ -213,7 +213,7 @@ fn rules(given: &Assessment, scene: &Scene, name: &str, precision: Precision) ->
     )
 }
 
-/// How many times the rule is met that is nearest to be broken.
+/// The tightest rule, and by what factor it is met.
 fn nearest_rule(scene: &Scene, set: &ToleranceSet, precision: Precision) -> Option<(f64, &'static str)> {
     let mut slacks = MeasuredModel::of(&scene.shapes()).slacks(set, precision);
     let mut stiff = scene.clone();
@@ -254,11 +254,11 @@ fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
     let arithmetic = sum(|pair, precision| pair.in_precision(precision).arithmetic);
     let defects = sum(|pair, precision| pair.in_precision(precision).defects);
     let severity = if broken > 0 && is_asked { Severity::Bad } else { Severity::Fair };
+    let beyond = if broken == 0 { "none".to_owned() } else { grouped(broken as u64) };
     let text = format!(
-        "{} of {pairs} {verb} from the exact contacts, {} by more than a tie that rounding decides (contacts: {rounding} by rounding the input, {arithmetic} by \
-         arithmetic, {defects} by mistakes in code)",
-        grouped(differ as u64),
-        grouped(broken as u64)
+        "{} of {pairs} {verb} from the exact contacts, {beyond} by more than rounding explains (contacts that differ: {rounding} by rounding the input, \
+         {arithmetic} by arithmetic, {defects} by mistakes in code)",
+        grouped(differ as u64)
     );
     line(about, severity, text)
 }
@@ -291,7 +291,7 @@ fn fall(found: &Examination) -> Option<Line> {
     let fall = found.model.fall.as_ref()?;
     let [depth, allowed, height] = [fall.depth, fall.allowed, fall.height].map(short);
     let text = format!(
-        "block {} would end {depth} m deep after falling {height} m; penetration is {allowed} m: {}",
+        "block {}, falling {height} m, would end {depth} m deep, and penetration is {allowed} m: use {}",
         fall.block, fall.remedy
     );
     Some(line("fall", Severity::Fair, text))
@@ -312,25 +312,28 @@ fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Li
         Recommendation::Skipped(why) => return line("set", Severity::Fair, why.clone()),
         Recommendation::Given { candidates, refused } => {
             let severity = if found.given.is_safe(precision) { Severity::Good } else { Severity::Fair };
-            let but = if *refused == 0 { String::new() } else { format!(", leaving out {}", refused_words(*refused)) };
-            return line("set", severity, format!("{} is the best of {candidates} tried{but}", found.name));
+            let best = best_of(*candidates, *refused);
+            return line("set", severity, format!("{} is the best of {best}", found.name));
         }
         Recommendation::Other(other) => other,
     };
     let is_safe = other.assessed.is_safe(precision);
     let (file, safe) = (naming.place_of(SET, "the one recommended"), if is_safe { "safe" } else { "not safe" });
     let (origin, candidates, figures) = (other.origin, other.candidates, other.figures(&found.given, precision));
-    let best = match other.refused {
-        0 => format!("is the best of {candidates} tried"),
-        refused => format!("is the best of {candidates} tried, leaving out {}", refused_words(refused)),
-    };
-    let text = format!("{file} ({origin}) {best}, {safe}: {}", figures.join(", "));
+    let best = best_of(candidates, other.refused);
+    let text = format!("{file} ({origin}) is the best of {best}, and {safe}: {}", figures.join(", "));
     line("set", if is_safe { Severity::Good } else { Severity::Fair }, text)
 }
 
-/// Sets that a search prefers, and that are no better.
-pub(crate) fn refused_words(refused: usize) -> String {
-    format!("{refused} with which the model itself does no better")
+/// The sets tried, and how many of them the search prefers though the whole model does no better with them.
+pub(crate) fn best_of(candidates: usize, refused: usize) -> String {
+    let sets = plural(candidates, "set tried", "sets tried");
+    match refused {
+        0 => format!("the {sets}"),
+        _ => format!(
+            "the {sets}, but for {refused} that the search prefers and with which the whole model does no better"
+        ),
+    }
 }
 
 /// The command to go on with.

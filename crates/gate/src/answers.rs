@@ -4,6 +4,7 @@ use super::config::GateConfig;
 use super::tally::{CampaignTally, TallyRow};
 use super::{Check, Verdict, limit_scope};
 use rockproof_differential::finding::Cause;
+use rockproof_model::text::noun;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What an external engine answered.
@@ -18,7 +19,7 @@ pub struct Answers {
 impl Answers {
     /// How many it answered, in words.
     pub fn words(&self) -> String {
-        format!("answered {} of {} pairs", self.answered, self.asked)
+        format!("answered {} of {} {}", self.answered, self.asked, noun(self.asked, "pair", "pairs"))
     }
 }
 
@@ -41,7 +42,15 @@ pub fn checks(
         let (verdict, message) = if answers.asked == 0 {
             (Verdict::Skip, "no pair survived rounding, so it was asked about none".to_owned())
         } else if silent {
-            (Verdict::Fail, format!("answered none of {} pairs: {}", answers.asked, failures(tally, name)))
+            (
+                Verdict::Fail,
+                format!(
+                    "answered none of {} {}: {}",
+                    answers.asked,
+                    noun(answers.asked, "pair", "pairs"),
+                    failures(tally, name)
+                ),
+            )
         } else if is_limited || known || corpus.contains(name) {
             (Verdict::Pass, answers.words())
         } else {

@@ -87,9 +87,10 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
                 None => "so few pairs can never fail".to_owned(),
             };
             let message = format!(
-                "{} of {} pairs ({:.3e}), at most {rate}, {from}; by chance with probability {:.2e}",
+                "{} of {} {} ({:.3e}), at most {rate}, {from}; by chance with probability {:.2e}",
                 found.pairs,
                 found.examined,
+                noun(found.examined, "pair", "pairs"),
                 found.rate(),
                 found.chance(rate)
             );
