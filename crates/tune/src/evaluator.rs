@@ -11,10 +11,11 @@ use rockproof_model::preset::{self, Preset};
 use rockproof_model::tolerance_rules::{self, MeasuredModel, Rule, RuleSlack};
 use rockproof_model::{Precision, Scene, SpecError, ToleranceSet};
 use rockproof_stepper::contact::SpecRules;
+use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 
 /// Everything measured of one set.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
     /// The rules that are not met.
     pub violated: Vec<Rule>,

@@ -1,7 +1,7 @@
 //! All ranks of a search, as rank 0 sees them, which measures candidates too.
 
 use super::lookahead::Lookahead;
-use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, SentResult, unexpected_message};
+use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, unexpected_message};
 use crate::TuneError;
 use crate::evaluator::{Evaluator, UnauditedEvaluator};
 use crate::given_overlaps::{GivenOverlap, Share};
@@ -168,9 +168,9 @@ impl<'t, T: Transport> Crew<'t, T> {
 /// What a worker tells while candidates are tried: what came of its job, or `None` where it was told to stop.
 fn hear(rank: usize, message: &[u8], in_work: &mut [Option<u64>]) -> Result<Option<(u64, JobResult)>, TuneError> {
     match (taken(rank, message)?.0, in_work.get_mut(rank)) {
-        (Report::Job(SearchReport::Done { number, done }), Some(place)) if rank > 0 && *place == Some(number) => {
+        (Report::Job(SearchReport::Done { number, result }), Some(place)) if rank > 0 && *place == Some(number) => {
             *place = None;
-            Ok(Some((number, SentResult::read(done, rank)?)))
+            Ok(Some((number, result)))
         }
         (Report::Stopped, _) => Ok(None),
         _ => Err(unexpected_message(rank).into()),

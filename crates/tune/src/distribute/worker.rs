@@ -1,6 +1,6 @@
 //! A worker: measures the candidates that rank 0 asks for.
 
-use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, SentResult, unexpected_message, unreadable};
+use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, unexpected_message, unreadable};
 use crate::TuneError;
 use crate::evaluator::UnauditedEvaluator;
 use crate::search::Search;
@@ -80,8 +80,8 @@ impl SearchTask<'_> {
         for order in orders {
             let SearchOrder::Job(job) = order else { return Err(unexpected_message(0).into()) };
             let set = search.set_of(job.set).ok_or_else(|| unreadable(0, "a set that there is not"))?;
-            let done = SentResult::of(pool.install(|| JobResult::of(&evaluator, job.work, &set)));
-            tell(SearchReport::Done { number: job.number, done });
+            let result = pool.install(|| JobResult::of(&evaluator, job.work, &set));
+            tell(SearchReport::Done { number: job.number, result });
         }
         Ok(())
     }
