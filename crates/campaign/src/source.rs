@@ -7,7 +7,7 @@ use super::steps::{PASSAGE, motion, passing};
 use super::tolerance_grid::ToleranceGridError;
 use super::tolerance_sets::{self, SetSource};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
+use rockproof_differential::subject::{PairSource, Subject};
 use rockproof_model::files::read_limited;
 use rockproof_model::text::{EXCERPT_LENGTH, begins_a_formula, escaped, excerpt, is_harmful};
 use rockproof_model::{Block, LoadOptions, Number, Precision, Scene, SceneError, SpecError, ToleranceSpec, Vec3};
@@ -299,21 +299,7 @@ impl PairSource for FamilySource {
     }
 
     fn batch(&self, number: u64) -> Vec<Subject> {
-        self.cases(number)
-            .into_iter()
-            .map(|case| Subject {
-                index: case.index,
-                family: case.family.into(),
-                form: case.form.name().into(),
-                a: case.a,
-                b: case.b,
-                sets: case
-                    .sets
-                    .into_iter()
-                    .map(|set| SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 })
-                    .collect(),
-            })
-            .collect()
+        self.cases(number).into_iter().map(Subject::from).collect()
     }
 
     fn motion(&self, subject: &Subject) -> Option<PairMotion> {

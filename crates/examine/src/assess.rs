@@ -9,7 +9,7 @@ use crate::pairs::{self, ExaminedPair, PRECISIONS};
 use crate::progress::{Stage, WorkProgress};
 use crate::recommend::{Recommendation, better};
 use crate::steps::{self, Steps};
-use rockproof_differential::subject::SubjectSet;
+use rockproof_differential::subject::NamedSet;
 use rockproof_model::tolerance_rules::{self, Thin, Violation};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
 use rockproof_report::table::counted;
@@ -91,7 +91,7 @@ impl Assessment {
     pub(crate) fn fault_counts(&self, precision: Precision) -> [u64; 5] {
         let [_, broken] = self.differing(precision);
         let passing = self.steps.made().map_or(0, |made| made.passages.len() + made.unseen.len());
-        let not_made = self.steps.object() && passing == 0;
+        let not_made = self.steps.find_fault() && passing == 0;
         [self.violations.len(), self.overlaps.lost(), broken, passing, usize::from(not_made)].map(|count| count as u64)
     }
 }
@@ -137,14 +137,14 @@ impl Work<'_> {
         let name = name_of(&model.spec);
         let shapes = model.scene.shapes();
         let [f32, f64] = PRECISIONS.map(|precision| model.spec.derive(&shapes, precision));
-        let sets = SubjectSet { name: name.as_str().into(), f32: f32?, f64: f64? };
+        let sets = NamedSet { name: name.as_str().into(), f32: f32?, f64: f64? };
         let Some(given) = self.assess(&model, &sets)? else { return Ok(None) };
         let Some(other) = self.recommend(&model, &given)? else { return Ok(None) };
         Ok(Some(Examination { model, name, given, other }))
     }
 
     /// How the model does with a set; `None` where it was stopped meanwhile.
-    fn assess(&self, model: &CheckedModel, sets: &SubjectSet) -> Result<Option<Assessment>, ExamineError> {
+    fn assess(&self, model: &CheckedModel, sets: &NamedSet) -> Result<Option<Assessment>, ExamineError> {
         let shapes = model.scene.shapes();
         let set = sets.of(model.precision).clone();
         let violations = tolerance_rules::check_scene(&set, &model.scene, model.precision);
@@ -210,7 +210,7 @@ impl Work<'_> {
         let file = file_name(&model.file);
         let text = || markdown(&file, &evaluator, &search);
         better(&search, given, model.precision, text, |set| {
-            let sets = SubjectSet { name: "recommended".into(), f32: set.clone(), f64: set.clone() };
+            let sets = NamedSet::same("recommended", set);
             self.assess(model, &sets)
         })
     }

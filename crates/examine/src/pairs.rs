@@ -6,7 +6,7 @@ use rockproof_differential::attribution::{EnginePanel, examine};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, FAR_FROM_TIE, Finding, FindingScope};
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::{Block, Precision};
 use rockproof_report::sections::CHOICES;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -85,7 +85,7 @@ pub(crate) fn panel() -> EnginePanel {
 }
 
 /// A pair of a model for the chain of causes.
-pub(crate) fn subject(blocks: &[&Block], number: usize, [a, b]: [usize; 2], set: &SubjectSet) -> Subject {
+pub(crate) fn subject(blocks: &[&Block], number: usize, [a, b]: [usize; 2], set: &NamedSet) -> Subject {
     Subject {
         index: number as u64,
         family: format!("blocks {a} and {b}").into(),
@@ -100,7 +100,7 @@ pub(crate) fn subject(blocks: &[&Block], number: usize, [a, b]: [usize; 2], set:
 pub(crate) fn examine_all(
     blocks: &[&Block],
     pairs: &[[usize; 2]],
-    set: &SubjectSet,
+    set: &NamedSet,
     (seen, stop): (&WorkProgress, &AtomicBool),
 ) -> Option<Vec<ExaminedPair>> {
     let panel = panel();

@@ -8,7 +8,7 @@ use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::lockstep::case_file::Expected;
 use rockproof_differential::lockstep::recorded::{pair_difference, pair_intrusion};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Body, Motion, Number, Precision, Vec3};
 use rockproof_simulate::identity::with_tolerances;
@@ -123,7 +123,7 @@ impl ShownStep {
     }
 }
 
-fn written(finding: &StepFinding, set: &SubjectSet, precision: Precision, shown: &ShownStep) -> Option<StepCase> {
+fn written(finding: &StepFinding, set: &NamedSet, precision: Precision, shown: &ShownStep) -> Option<StepCase> {
     let ShownStep { subject, motion, made } = shown;
     let tolerances = set.of(precision);
     let scene = motion.scene(&subject.a, &subject.b, tolerances);

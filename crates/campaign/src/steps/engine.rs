@@ -3,7 +3,7 @@
 use rockproof_differential::collapse::collapsed_feature;
 use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, DriftQuantity, Lockstep};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::Precision;
 use rockproof_simulate::checkpoint::SavedState;
 use rockproof_stepper::contact::SpecRules;
@@ -37,7 +37,7 @@ pub trait StepEngine: Send + Sync {
     ///
     /// # Errors
     /// Why there is not even one: the pair does not survive rounding.
-    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String>;
+    fn steps(&self, subject: &Subject, set: &NamedSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String>;
 }
 
 /// The stepper in the scalar `R` by the rules `M`.
@@ -83,7 +83,7 @@ impl<R: Solve, M: StepRules> StepEngine for StepperStepEngine<R, M> {
         self.precision
     }
 
-    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String> {
+    fn steps(&self, subject: &Subject, set: &NamedSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String> {
         for block in [&subject.a, &subject.b] {
             let rounded = block.rounded(self.precision).ok_or("a coordinate overflows")?;
             if let Some(what) = collapsed_feature(&rounded) {
