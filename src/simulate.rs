@@ -384,7 +384,7 @@ impl Simulate {
         )?;
         let audit = &record.progress().totals.audit;
         Ok(match ending {
-            Ending::Finished if audit.as_ref().is_some_and(AuditTotals::objects) => Verdict::CheckFailed,
+            Ending::Finished if audit.as_ref().is_some_and(AuditTotals::finds_fault) => Verdict::CheckFailed,
             Ending::Finished => Verdict::Passed,
             Ending::Interrupted => Verdict::Interrupted,
             Ending::Stopped(stopped) => {
@@ -518,7 +518,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, over
             pair.map(|pair| json!({ "blocks": pair.blocks, "depth_m": pair.depth_m.0, "step": pair.step }))
         };
         json!({
-            "objects": audit.objects(),
+            "objects": audit.finds_fault(),
             "steps": audit.steps,
             "steps_unseen": audit.steps_unseen,
             "most_unseen_pairs": audit.most_unseen,
@@ -573,7 +573,7 @@ fn write_summary<R: Real>(
     let RunProgress { totals, seconds, .. } = record.progress();
     let audit = totals.audit.as_ref();
     // What makes all the rest worthless comes first.
-    if let Some(audit) = audit.filter(|audit| audit.objects()) {
+    if let Some(audit) = audit.filter(|audit| audit.finds_fault()) {
         writeln!(out, "audit            {}\n", audit.verdict())?;
     }
     let all = totals.steps + totals.settling;
@@ -614,7 +614,7 @@ fn write_summary<R: Real>(
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
     write_lockstep(out, &record.progress().beside)?;
     match (audit, overlaps) {
-        (Some(audit), _) if audit.objects() => {}
+        (Some(audit), _) if audit.finds_fault() => {}
         (Some(audit), _) => writeln!(out, "audit            {}", audit.verdict())?,
         (None, Some(sentence)) => writeln!(out, "model            {sentence}; without --no-audit they are followed")?,
         (None, None) => {}

@@ -163,7 +163,7 @@ fn reasons(given: &Assessment, blocks: usize, precision: Precision, units: bool)
     if broken > 0 {
         said.push(format!("{} broken in {precision}", plural(broken, "pair", "pairs")));
     }
-    if given.steps.object() {
+    if given.steps.find_fault() {
         let passing = given.steps.made().map_or(0, |made| made.passages.len() + made.unseen.len());
         said.push(match passing {
             0 => "a step cannot be made".to_owned(),
@@ -277,7 +277,7 @@ fn steps(given: &Assessment) -> Line {
         Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),
         Steps::Made(made) => made,
     };
-    let severity = match (given.steps.object(), given.tries_contacts()) {
+    let severity = match (given.steps.find_fault(), given.tries_contacts()) {
         (true, _) => Severity::Bad,
         (false, true) => Severity::Good,
         (false, false) => Severity::Fair,
@@ -375,7 +375,7 @@ fn next(
         return format!("rockproof replay {}", shown(&case.file));
     }
     match found.given.steps.made() {
-        Some(made) if found.given.steps.object() => {
+        Some(made) if found.given.steps.find_fault() => {
             let steps = made.asked;
             format!("rockproof simulate {file}{given}{hold} --steps {steps} --audit --contacts")
         }

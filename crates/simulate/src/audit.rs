@@ -132,7 +132,7 @@ impl AuditTotals {
     }
 
     /// Whether blocks passed through one another or were about to: a passage, or an overlap that no contact saw.
-    pub fn objects(&self) -> bool {
+    pub fn finds_fault(&self) -> bool {
         self.steps_unseen > 0 || self.passages.is_some_and(|passages| passages > 0)
     }
 
@@ -162,7 +162,7 @@ impl AuditTotals {
             let worst = worst_pair_note(self.worst_passage);
             parts.push(format!("{passages} {} within a step{worst}", noun(passages, "passage", "passages")));
         }
-        if self.objects() {
+        if self.finds_fault() {
             parts[0].insert_str(0, "blocks pass through one another: ");
         } else {
             let none = if self.passages.is_some() { " and no passage" } else { "" };
@@ -211,21 +211,21 @@ mod tests {
     fn a_run_is_told_by_its_worst_pairs_and_the_first_steps_that_have_them() {
         let mut totals = AuditTotals::default();
         totals.add(0, &StepAudit { passages: passing(vec![], 0), ..StepAudit::default() });
-        assert!(!totals.objects());
+        assert!(!totals.finds_fault());
         let nothing = "no unseen overlap and no passage in 1 step; no overlap after any step";
         assert_eq!(totals.sentence(), nothing);
         assert_eq!(totals.deepest_in_words(), "none: no two blocks overlap after any step");
         let held = StepAudit { deepest: Some(pair(0, 1, 0.5)), passages: passing(vec![], 0), ..StepAudit::default() };
         totals.add(1, &held);
         totals.add(2, &held);
-        assert!(!totals.objects());
+        assert!(!totals.finds_fault());
         assert!(totals.sentence().ends_with("; deepest overlap (worst 0–1, 0.5000 m, step 1)"));
         assert_eq!(totals.deepest_in_words(), "0.5000 m at most, of blocks 0 and 1 in step 1");
         totals.add(3, &StepAudit { unseen: vec![pair(2, 3, 1e-5), pair(4, 5, 1e-6)], ..held.clone() });
         totals.add(4, &StepAudit { unseen: vec![pair(4, 5, 2e-5)], ..held.clone() });
         let passed = StepAudit { passages: passing(vec![pair(6, 7, 0.25)], 3), ..held.clone() };
         totals.add(5, &passed);
-        assert!(totals.objects());
+        assert!(totals.finds_fault());
         let expected = "blocks pass through one another: up to 2 pairs overlap unseen by contacts after 2 of 6 steps \
                         (worst 4–5, 2.000e-5 m, step 4); 1 passage within a step (worst 6–7, 0.2500 m, step 5); 3 passages \
                         undecided; deepest overlap (worst 0–1, 0.5000 m, step 1)";
@@ -243,7 +243,7 @@ mod tests {
         assert_eq!(totals.verdict(), nothing);
         totals.add(2, &found);
         // Of equal ones the first.
-        assert!(totals.objects() && totals.verdict().contains("after 1 of 2 steps (worst 0–2, 0.5000 m, step 2)"));
+        assert!(totals.finds_fault() && totals.verdict().contains("after 1 of 2 steps (worst 0–2, 0.5000 m, step 2)"));
         assert_eq!((totals.passages, totals.undecided), (None, None));
     }
 
