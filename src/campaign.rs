@@ -191,7 +191,7 @@ impl Campaign {
         let (identity, start) = (identity.clone(), Start::of(self.resume, self.overwrite));
         Ok(match self.part {
             None => Journal::open(&out, identity, start)?,
-            Some(part) => Journal::open_part(&out, identity, start, part, Machine::here(&**source)?)?,
+            Some(part) => Journal::open_part(&out, identity, start, part, Machine::current(&**source)?)?,
         })
     }
 

@@ -67,7 +67,7 @@ impl Merge {
         let engines = Engines::of(config)?;
         let source = pair_source(config)?;
         let batch_len = source.batch_len();
-        parts.check(&source::identity(config)?, &Machine::here(&*source)?, batch_len)?;
+        parts.check(&source::identity(config)?, &Machine::current(&*source)?, batch_len)?;
         let stop = on_ctrl_c()?;
         if !probed(&engines, &stop)? {
             return Ok(Verdict::Interrupted);

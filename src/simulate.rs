@@ -279,7 +279,7 @@ impl Simulate {
         let (file, dir) = (self.scene.path().to_path_buf(), self.directory());
         Start::of(false, self.overwrite).refuse_inputs(&dir, self.inputs())?;
         let run = ExactRun { file, dir, plan: ready.plan, overwrite: self.overwrite, names };
-        run.go(&self.format, Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
+        run.run(&self.format, Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
     }
 
     fn keep(&self, scene: &Scene) -> KeptPrecision {

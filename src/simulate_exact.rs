@@ -46,7 +46,7 @@ pub(super) struct ExactRun {
 }
 
 impl ExactRun {
-    pub(super) fn go(&self, format: &FormatArgs, mut trajectory: Trajectory) -> Outcome {
+    pub(super) fn run(&self, format: &FormatArgs, mut trajectory: Trajectory) -> Outcome {
         let dir = &self.dir;
         let start = Start::of(false, self.overwrite);
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Simulate, start, files: &FILES })?;

@@ -37,13 +37,13 @@ pub(super) fn step_case_request(row: &StepFindingRow) -> CaseRequest {
 
 impl Campaign<'_> {
     /// How many case files there may be.
-    pub(super) fn most_cases(&self) -> CaseQuota {
+    pub(super) fn case_quota(&self) -> CaseQuota {
         CaseQuota { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint }
     }
 
     /// The same of findings about steps.
-    pub(super) fn most_step_cases(&self) -> CaseQuota {
-        CaseQuota { of_cause: self.config.cases_per_cause / STEP_CASES, ..self.most_cases() }
+    pub(super) fn step_case_quota(&self) -> CaseQuota {
+        CaseQuota { of_cause: self.config.cases_per_cause / STEP_CASES, ..self.case_quota() }
     }
 
     /// The rows of a chunk's findings and their case files. A part makes no case files. Where the run is stopped meanwhile, the rest is not
@@ -80,7 +80,7 @@ impl Campaign<'_> {
         let request = |finding: &Finding| case_request(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let case = |finding: &Finding| if stopped() { Ok(None) } else { self.case(finding) };
-        write_cases(findings, request, self.most_cases(), counts, in_threads(case))
+        write_cases(findings, request, self.case_quota(), counts, in_threads(case))
     }
 
     /// The same of findings about steps: the first few of each fingerprint.
@@ -93,7 +93,7 @@ impl Campaign<'_> {
         let request = |finding: &StepFinding| step_case_request(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let case = |finding: &StepFinding| if stopped() { Ok(None) } else { self.step_case(finding) };
-        write_cases(findings, request, self.most_step_cases(), counts, in_threads(case))
+        write_cases(findings, request, self.step_case_quota(), counts, in_threads(case))
     }
 
     /// Rows of `no_case.csv`: of the findings about steps that a campaign of this part alone would keep, those that cannot have a case file.
@@ -116,7 +116,7 @@ impl Campaign<'_> {
                 .is_some_and(|(subject, motion)| steps::case::is_possible(finding, &subject, &motion, self.steppers));
             Ok(possible.then(Vec::new))
         };
-        let kept = write_cases(findings, request, self.most_step_cases(), counts, in_threads(tried))?;
+        let kept = write_cases(findings, request, self.step_case_quota(), counts, in_threads(tried))?;
         let mut rows = Vec::new();
         for at in kept.failed {
             let index = findings[at].index;

@@ -41,7 +41,7 @@ impl SetSource {
     }
 
     /// The same set for every pair.
-    pub fn given(name: impl Into<Arc<str>>, set: ToleranceSet) -> SetSource {
+    pub fn constant(name: impl Into<Arc<str>>, set: ToleranceSet) -> SetSource {
         SetSource::new(name, move |_, _, _| Some(set.clone()))
     }
 

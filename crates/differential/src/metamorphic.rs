@@ -83,14 +83,14 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
     // An engine that fails here failed on the pair itself, which is a finding already, or says so on its own account.
     let Ok(prepared) = catch_panic(|| base.engine.prepare(a, b)) else { return };
     let Ok(answer) = catch_panic(|| prepared.classify(&tolerances)) else { return };
-    let answer = other.back(&answer);
+    let answer = other.to_original(&answer);
     if answer == base.contacts {
         return;
     }
     let features = Features { a: base.blocks[0].topology(), b: base.blocks[1].topology() };
     let solids = base.oracle.prepare(a, b);
     let pair = solids.pair();
-    let exact = other.back(&pair.classify(&tolerances).contacts);
+    let exact = other.to_original(&pair.classify(&tolerances).contacts);
     let allowed = differences(base.exact, &exact, features);
     let key = |d: &Difference| d.contact().map(|c| c.key);
     let mut wide: Option<Option<[WideAnswer; 2]>> = None;
@@ -109,7 +109,7 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
         let wide = wide.get_or_insert_with(|| {
             let here = catch_panic(|| Ok(base.prepared.classify_wide(base.tolerances))).ok().flatten()?;
             let mut there = catch_panic(|| Ok(prepared.classify_wide(&tolerances))).ok().flatten()?;
-            there.contacts = other.back(&there.contacts);
+            there.contacts = other.to_original(&there.contacts);
             Some([here, there])
         });
         // A defect is what differs from the oracle, before the change or after, although nothing was close: that the
@@ -142,7 +142,7 @@ fn deciding(
     } else {
         (&turned.other.blocks, turned.tolerances, turned.prepared)
     };
-    let local = if wrong_before { *difference } else { turned.other.forth(difference) };
+    let local = if wrong_before { *difference } else { turned.other.to_transformed(difference) };
     let solids = base.oracle.prepare(&blocks[0], &blocks[1]);
     let pair = solids.pair();
     let link = ChainLink {

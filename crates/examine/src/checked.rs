@@ -95,7 +95,7 @@ impl CheckedModel {
         set.rounded(precision).map_err(|name| CheckError::Tolerance { name, precision })?;
         let violations = tolerance_rules::check_scene(&set, &scene, precision);
         let extents = Extents::of(&scene);
-        let notes = extents.doubt().into_iter().collect();
+        let notes = extents.unit_warning().into_iter().collect();
         let (fall, thin) = (tolerance_rules::fall(&set, &scene), tolerance_rules::thin(&set, &scene.shapes()));
         Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, thin, notes, merging: None })
     }

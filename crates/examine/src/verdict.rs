@@ -55,7 +55,7 @@ impl Verdict {
     /// The answer for a model that commands name so.
     pub fn of(found: &Examination, cases: &[KeptCase], naming: &Naming) -> Verdict {
         let precision = found.model.precision;
-        let doubt = found.model.extents.doubt().filter(|_| !naming.units_are_meant);
+        let doubt = found.model.extents.unit_warning().filter(|_| !naming.units_are_meant);
         let is_safe = doubt.is_none() && found.given.is_safe(precision);
         let with_other = doubt.is_none() && found.recommended().is_some_and(|other| other.is_safe(precision));
         let reasons = reasons(&found.given, found.model.scene.blocks.len(), precision, doubt.is_some());

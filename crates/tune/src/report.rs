@@ -40,7 +40,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
         "- {} {}: {} given, the others drawn or turned from the best so far",
         evaluated.len(),
         noun(evaluated.len(), "candidate", "candidates"),
-        search.given().min(evaluated.len())
+        search.initial_count().min(evaluated.len())
     )?;
     writeln!(
         out,
@@ -74,7 +74,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     if best != 0 {
         compare(out, &evaluated[best].measurement, &author.measurement)?;
     }
-    let given: Vec<usize> = (1..search.given().min(evaluated.len())).collect();
+    let given: Vec<usize> = (1..search.initial_count().min(evaluated.len())).collect();
     if !given.is_empty() {
         writeln!(out, "\n## The other sets that were given\n")?;
         table(out, search, &given)?;

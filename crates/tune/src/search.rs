@@ -127,7 +127,7 @@ impl<'w> Search<'w> {
     }
 
     /// Candidates that are tried before any is drawn.
-    pub fn given(&self) -> usize {
+    pub fn initial_count(&self) -> usize {
         self.first.len()
     }
 

@@ -5,7 +5,7 @@ use super::attempt::Attempt;
 use super::attempt_state::AttemptState;
 use super::decisions::StepDecision;
 use super::state::Mode;
-use super::system::{StepSupport, Stepwise, StiffnessBound, stiffness};
+use super::system::{StepNumber, StepSupport, StiffnessBound, stiffness};
 use crate::field::{DoubleBall, WideBall};
 use crate::number::Ball;
 use num_rational::BigRational;
@@ -69,7 +69,7 @@ enum Level<'a, S> {
     Failed,
 }
 
-impl<'a, S: Stepwise> Level<'a, S> {
+impl<'a, S: StepNumber> Level<'a, S> {
     fn begin(&mut self, attempt: &'a Attempt<'a>, bits: u32, geometry: Geometry) -> Option<&mut AttemptState<'a, S>> {
         if matches!(self, Level::Unused) {
             let chain = AttemptState::new(attempt, bits);

@@ -5,7 +5,7 @@ use super::cascade::EXACT_UNKNOWNS;
 use super::friction::SlipForce;
 use super::islands::islands_up_to;
 use super::state::Mode;
-use super::system::{StepSupport, Stepwise, System};
+use super::system::{StepNumber, StepSupport, System};
 use rockproof_model::Vec3;
 use std::cell::OnceCell;
 
@@ -39,7 +39,7 @@ impl<S> Iterate<S> {
     }
 }
 
-impl<S: Stepwise> AttemptState<'_, S> {
+impl<S: StepNumber> AttemptState<'_, S> {
     /// Solves once more, with these modes; `None` where this type cannot. `start` is what a cheaper type has found, without radius.
     pub(crate) fn advance(
         &mut self,

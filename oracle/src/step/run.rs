@@ -7,7 +7,7 @@ use super::cascade::Cascade;
 use super::iteration::{attempts, first_time_step};
 use super::prepare::PreparedStep;
 use super::state::{BlockState, KeptPrecision, Mode, State};
-use super::system::Stepwise;
+use super::system::StepNumber;
 use super::update::{gap_changes, updated};
 use crate::solve::SpdSystem;
 use num_rational::BigRational;
@@ -62,7 +62,7 @@ fn certified_and<T>(
 }
 
 /// The unknowns of each block after the last solve, each as an f64 and at least its distance from the exact value.
-fn displacements<S: Stepwise>(chain: &AttemptState<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
+fn displacements<S: StepNumber>(chain: &AttemptState<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
     let last = chain.iterates.last()?;
     let pairs = |block| {
         let d = chain.displacement(last, block)?;
@@ -142,7 +142,7 @@ fn kept(
     enough.into_iter().find_map(|bits| kept_by(attempt, &*cascade.with_bits(bits)?, after, keep))
 }
 
-fn kept_by<S: Stepwise>(
+fn kept_by<S: StepNumber>(
     attempt: &Attempt<'_>,
     chain: &AttemptState<'_, S>,
     after: &[Mode],

@@ -56,7 +56,7 @@ impl<'c, 'a, S: Field> System<'c, 'a, S> {
 }
 
 /// A number type in which a solve of a step can be enclosed.
-pub(crate) trait Stepwise: Field {
+pub(crate) trait StepNumber: Field {
     /// Whether islands are solved apart, each when something of it is first asked for.
     const BY_ISLAND: bool = false;
 
@@ -70,7 +70,7 @@ pub(crate) trait Stepwise: Field {
 
 macro_rules! refined {
     ($($type:ty),*) => {$(
-        impl Stepwise for $type {
+        impl StepNumber for $type {
             fn solve(
                 system: &System<'_, '_, Self>,
                 support: Option<&StepSupport<'_>>,
@@ -84,7 +84,7 @@ macro_rules! refined {
 
 refined!(Ball, DoubleBall);
 
-impl Stepwise for WideBall {
+impl StepNumber for WideBall {
     fn solve(
         system: &System<'_, '_, Self>,
         support: Option<&StepSupport<'_>>,
@@ -97,7 +97,7 @@ impl Stepwise for WideBall {
     }
 }
 
-impl Stepwise for BigRational {
+impl StepNumber for BigRational {
     const BY_ISLAND: bool = true;
 
     fn solve(
@@ -112,7 +112,7 @@ impl Stepwise for BigRational {
     }
 }
 
-impl<S: Stepwise> AttemptState<'_, S> {
+impl<S: StepNumber> AttemptState<'_, S> {
     /// The system of the next solve with these modes, as a matrix.
     pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSparseSystem<S>> {
         Some(System::of(self, modes, &self.friction(modes)?, None)?.assembled())
@@ -287,7 +287,7 @@ fn float_spring<S: Field>(slip: &SlipForce<S>, normal: f64) -> Option<(f64, [f64
 
 /// The f64 stiffness of contacts in these modes, in the next solve of a chain; `None` where it knows too little of the springs across
 /// the slips.
-pub(crate) fn stiffness<'l, S: Stepwise>(
+pub(crate) fn stiffness<'l, S: StepNumber>(
     chain: &AttemptState<'_, S>,
     modes: &[Mode],
     layout: &'l Layout,

@@ -142,12 +142,12 @@ impl Examiner for Remote<'_> {
         let findings: Vec<DecodedCandidate<FindingRow>> = decoded(&found.findings, false)?;
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let make = |granted: &[&DecodedCandidate<FindingRow>]| remote.made(granted);
-        let kept = write_cases(&findings, |one| case_request(&one.row), campaign.most_cases(), counts, make)?;
+        let kept = write_cases(&findings, |one| case_request(&one.row), campaign.case_quota(), counts, make)?;
         let steps: Vec<DecodedCandidate<StepFindingRow>> = decoded(&found.steps, true)?;
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let make = |granted: &[&DecodedCandidate<StepFindingRow>]| remote.made(granted);
         let kept_steps =
-            write_cases(&steps, |one| step_case_request(&one.row), campaign.most_step_cases(), counts, make)?;
+            write_cases(&steps, |one| step_case_request(&one.row), campaign.step_case_quota(), counts, make)?;
         if self.abandoned.get() {
             return Ok(None);
         }

@@ -227,8 +227,8 @@ impl Worker<'_> {
         let (campaign, state) = (self.campaign, &unit.state);
         let room =
             |alike, of_cause, quota: CaseQuota| move |request: &CaseRequest| has_room(alike, of_cause, request, &quota);
-        let pairs = room(&state.alike, &state.of_cause, campaign.most_cases());
-        let steps = room(&state.steps_alike, &state.steps_of_cause, campaign.most_step_cases());
+        let pairs = room(&state.alike, &state.of_cause, campaign.case_quota());
+        let steps = room(&state.steps_alike, &state.steps_of_cause, campaign.step_case_quota());
         let count = findings.len() as u64;
         let row_of = |finding: &Finding| {
             let row = finding.row(String::new());

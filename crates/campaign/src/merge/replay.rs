@@ -141,7 +141,7 @@ impl Campaign<'_> {
         let kept = write_cases(
             &chunk.findings,
             |found| case_request(&found.row),
-            self.most_cases(),
+            self.case_quota(),
             counts,
             in_threads(case),
         )?;
@@ -155,7 +155,7 @@ impl Campaign<'_> {
         let kept_steps = write_cases(
             &chunk.steps,
             |found| step_case_request(&found.row),
-            self.most_step_cases(),
+            self.step_case_quota(),
             counts,
             in_threads(case),
         )?;

@@ -43,7 +43,9 @@ pub(super) trait Hypothesis: Send + Sync {
 pub(super) fn fits(hypothesis: &dyn Hypothesis, asked: &PreparedQuestion<'_>) -> Option<bool> {
     match &asked.question.reply {
         Reply::State(said) => hypothesis.says_state(asked, *said),
-        Reply::Contacts(_) | Reply::Nothing(_) => hypothesis.contacts(asked).map(|contacts| asked.gives(&contacts)),
+        Reply::Contacts(_) | Reply::Nothing(_) => {
+            hypothesis.contacts(asked).map(|contacts| asked.has_contacts(&contacts))
+        }
     }
 }
 

@@ -101,7 +101,7 @@ impl Hypothesis for Input {
             }
             Input::Renumbered => {
                 let other = Transform::Renumber.apply(&ExactBlocks::new([a, b]), blocks, asked.question.precision)?;
-                Some(other.back(&exact(&other.blocks, tolerances)))
+                Some(other.to_original(&exact(&other.blocks, tolerances)))
             }
             Input::InSingle => {
                 let [a, b] = self.changed(blocks)?;

@@ -113,14 +113,14 @@ impl<'q> PreparedQuestion<'q> {
     /// Whether the engine is right; `None` where nothing exact stands against its answer.
     pub(super) fn is_right(&self) -> Option<bool> {
         match &self.question.reply {
-            Reply::Contacts(_) => Some(self.gives(&self.exact())),
+            Reply::Contacts(_) => Some(self.has_contacts(&self.exact())),
             Reply::State(said) => self.state_is_right(&self.question.blocks, *said),
             Reply::Nothing(_) => Some(false),
         }
     }
 
     /// Whether the engine said just these contacts; contacts of features that the blocks do not have cannot be said, and are no answer.
-    pub(super) fn gives(&self, contacts: &[Contact]) -> bool {
+    pub(super) fn has_contacts(&self, contacts: &[Contact]) -> bool {
         match &self.question.reply {
             Reply::Contacts(said) => completed(said.clone(), contacts) == contacts,
             Reply::State(_) => false,

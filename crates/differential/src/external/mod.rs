@@ -141,7 +141,7 @@ impl External {
                 let answer = protocol::answer(&line, id, features);
                 if matches!(answer, Err(EngineFailure::Malformed(_))) {
                     // A line that is no answer may be one that nobody asked for, with the answer behind it. Of a fresh process it would come again.
-                    let unasked = id > 0 && (protocol::is_of_earlier(&line, id) || process.says_more());
+                    let unasked = id > 0 && (protocol::is_of_earlier(&line, id) || process.has_unread_output());
                     // Who knows what else it is about to say.
                     process.kill();
                     return Asked { answer, process: None, unasked };

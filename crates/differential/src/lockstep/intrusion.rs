@@ -256,7 +256,7 @@ pub(super) struct IntrusionCheck<'w> {
 impl IntrusionCheck<'_> {
     /// Looks both sides through. Where either has an intrusion the other links are asked too. `wide` gives the state after the
     /// stepper's step in 512 bits, where no comparison stayed unsettled.
-    pub(super) fn look(&self, wide: impl FnOnce() -> Option<State>) -> WatchedStep {
+    pub(super) fn examine(&self, wide: impl FnOnce() -> Option<State>) -> WatchedStep {
         let [ideal, given, rounded] = self.scenes;
         let begins = rounded.blocks_at(self.before[1]);
         let rounding = rounding_depth(&begins.iter().collect::<Vec<_>>(), self.precision);

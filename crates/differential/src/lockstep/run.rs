@@ -330,7 +330,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let (scenes, alike) = ([&self.ideal, &self.given, &self.rounded], self.same && unrounded == start);
         let step = IntrusionCheck { scenes, alike, before: [unrounded, start], after, precision: self.precision };
         let wide = &mut self.wide;
-        step.look(|| {
+        step.examine(|| {
             let step = wide_stepper(wide, scenes[2])?.step(before).ok()?;
             let (_, after) = step.outcome.ok().filter(|_| step.unsettled == 0)?;
             Some(scenes[2].kept(exact_state(&after).ok()?))

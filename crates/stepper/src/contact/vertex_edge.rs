@@ -99,7 +99,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         let to_foot = ridge.direction * from_p.dot(ridge.direction) - from_p;
         M::region(own.edges_at(v)).iter().all(|&at| {
             let about = [Feature::Vertex(side, v), Feature::Edge(side.other(), e), Feature::Edge(side, at)];
-            self.ask(Predicate::FootRegion, &about, M::foot_region(to_foot.dot(own.spoke(v, at).away)))
+            self.ask(Predicate::FootRegion, &about, M::foot_region(to_foot.dot(own.edge_at_vertex(v, at).away)))
         })
     }
 }

@@ -77,7 +77,7 @@ impl Lines {
         (Some(self.of(&value.span())), problem)
     }
 
-    pub(super) fn only(&self, table: &DeTable<'_>, place: &str, known: &[&str]) -> Result<(), Located> {
+    pub(super) fn allow_only(&self, table: &DeTable<'_>, place: &str, known: &[&str]) -> Result<(), Located> {
         match table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
             None => Ok(()),
             Some(key) => {

@@ -9,7 +9,7 @@ mod frame;
 
 use super::{Chart, ChartContent};
 use content::{bars, curves, heat_map, key};
-use drawing::{Drawing, coordinate, light, printable};
+use drawing::{Drawing, coordinate, light_color, printable};
 use frame::Frame;
 use quick_xml::Writer;
 use quick_xml::events::BytesText;
@@ -41,7 +41,7 @@ pub fn svg(chart: &Chart) -> io::Result<String> {
             ("viewBox", &*format!("0 0 {} {}", coordinate(frame.width), coordinate(frame.height))),
             ("font-family", "sans-serif"),
             ("font-size", &*coordinate(FONT)),
-            ("fill", light("text")),
+            ("fill", light_color("text")),
             ("role", "img"),
         ])
         .write_inner_content(|writer| {
