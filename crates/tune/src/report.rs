@@ -341,9 +341,9 @@ fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::f
         }
         None => {}
     }
-    writeln!(
-        out,
-        "- meets the tightest rule by a factor of {:.2} instead of {:.2}",
-        author.tightest.factor, best.tightest.factor
-    )
+    let [ours, theirs] = [best, author].map(|m| format!("{:.2}", m.tightest.factor));
+    match ours == theirs {
+        true => Ok(()),
+        false => writeln!(out, "- meets the tightest rule by a factor of {theirs} instead of {ours}"),
+    }
 }
