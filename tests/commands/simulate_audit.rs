@@ -174,7 +174,7 @@ fn a_block_that_passes_through_another_within_a_step_is_told() {
         ["simulate", "shot.toml", "--force", "--set", "max_displacement=1", "--set", "penetration=1/100", "--out"];
     assert_eq!(place.run(&[&args[..], &["bare", "--no-audit"]].concat()).0, 0, "nobody looks");
     let (code, out, err) = place.run(&[&args[..], &["usual"]].concat());
-    assert!(code == 0 && out.contains("passages within steps not looked for"), "{out}{err}");
+    assert!(code == 0 && out.contains("passages not looked for"), "{out}{err}");
     let (code, out, err) = place.run(&[&args[..], &["shot", "--audit"]].concat());
     assert_eq!(code, 1, "{out}{err}");
     let told = "audit            blocks pass through one another: 1 passage within a step (worst 0–1, ";

@@ -318,7 +318,8 @@ fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::f
     }
     if author.lost_pairs != best.lost_pairs {
         let (theirs, ours) = (author.lost_pairs, best.lost_pairs);
-        writeln!(out, "- leaves {theirs} overlaps of the model too deep or unseen, instead of {ours}")?;
+        let overlaps = noun(theirs, "overlap", "overlaps");
+        writeln!(out, "- leaves {theirs} {overlaps} of the model too deep or unseen, instead of {ours}")?;
     }
     let (ours, theirs) = (best.differences.avoidable(), author.differences.avoidable());
     if ours != theirs {
