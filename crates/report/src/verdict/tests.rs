@@ -260,10 +260,10 @@ fn a_run_that_was_cut_short_is_not_called_well_and_says_where_and_why() {
     let lines = of(vec![ended("finished", 5, Some(5), "")]);
     assert!(has(&lines, Severity::Good, "one: no unseen overlap"), "{lines:?}");
     for (run, told) in [
-        (ended("stopped", 3, Some(5), "step 4: no"), "one: stopped at step 4 of 5: no; contacts see"),
-        (ended("interrupted", 70, Some(300), ""), "one: interrupted after 70 of 300 steps; contacts see"),
-        (ended("interrupted", 70, None, ""), "one: interrupted after 70 steps, at 0.500 of 2.000 s; contacts see"),
-        (ended("unproved", 3, Some(5), "why"), "one: stopped at step 4 of 5: why; contacts see"),
+        (ended("stopped", 3, Some(5), "step 4: no"), "one: stopped at step 4 of 5: no; no unseen overlap"),
+        (ended("interrupted", 70, Some(300), ""), "one: interrupted after 70 of 300 steps; no unseen overlap"),
+        (ended("interrupted", 70, None, ""), "one: interrupted after 70 steps, at 0.500 of 2.000 s; no unseen overlap"),
+        (ended("unproved", 3, Some(5), "why"), "one: stopped at step 4 of 5: why; no unseen overlap"),
         (ended("stopped", 0, Some(5), "why"), "one: stopped at step 1 of 5: why; no step was made"),
         (ended("finished", 0, Some(0), ""), "one: no step was made, so nothing is known of overlaps."),
     ] {
