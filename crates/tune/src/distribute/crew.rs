@@ -170,7 +170,7 @@ fn hear(rank: usize, message: &[u8], in_work: &mut [Option<u64>]) -> Result<Opti
     match (taken(rank, message)?.0, in_work.get_mut(rank)) {
         (Report::Job(SearchReport::Done { number, result }), Some(place)) if rank > 0 && *place == Some(number) => {
             *place = None;
-            Ok(Some((number, result)))
+            Ok(Some((number, *result)))
         }
         (Report::Stopped, _) => Ok(None),
         _ => Err(unexpected_message(rank).into()),

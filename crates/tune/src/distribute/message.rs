@@ -41,7 +41,7 @@ pub(super) enum SearchReport {
     /// The answer to [`SearchOrder::Audit`].
     Audited(Vec<SentOverlap>),
     /// The answer to [`SearchOrder::Job`].
-    Done { number: u64, result: JobResult },
+    Done { number: u64, result: Box<JobResult> },
 }
 
 /// What came of a job; why there is nothing, otherwise.

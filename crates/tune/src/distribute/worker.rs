@@ -80,7 +80,7 @@ impl SearchTask<'_> {
         for order in orders {
             let SearchOrder::Job(job) = order else { return Err(unexpected_message(0).into()) };
             let set = search.set_of(job.set).ok_or_else(|| unreadable(0, "a set that there is not"))?;
-            let result = pool.install(|| JobResult::of(&evaluator, job.work, &set));
+            let result = Box::new(pool.install(|| JobResult::of(&evaluator, job.work, &set)));
             tell(SearchReport::Done { number: job.number, result });
         }
         Ok(())
