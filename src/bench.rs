@@ -3,7 +3,7 @@
 // Longer than 400 lines: one command and the table of each measure that it prints.
 
 use crate::exit::{Outcome, Verdict, print, print_json, print_note};
-use crate::table::{grouped, table};
+use crate::table::{counted, grouped, table};
 use clap::ValueEnum;
 use rockproof_bench::accuracy::{self, AccuracyOptions, AccuracyRow};
 use rockproof_bench::exact_stepping::scenes;
@@ -197,7 +197,11 @@ impl Bench {
         scenes.sort_by_key(|&(_, _, blocks)| blocks);
         let mut rows = Vec::new();
         for (name, scene, blocks) in scenes {
-            print_note(&format!("{} steps of {name} {}", self.steps, grouped(u64::from(blocks))));
+            print_note(&format!(
+                "{} of {name} {}",
+                counted(self.steps.into(), "step", "steps"),
+                grouped(blocks.into())
+            ));
             let make = || {
                 let mut scene = scene(blocks)?;
                 let moving = scene.blocks.iter_mut().filter(|block| self.rigid && !block.body.is_fixed());
@@ -304,7 +308,7 @@ impl Bench {
     fn exact_steps(&self) -> Outcome {
         let mut rows = Vec::new();
         for (name, scene) in scenes(if self.quick { &[10] } else { &[10, 100] })? {
-            print_note(&format!("{} steps of {name}", self.steps));
+            print_note(&format!("{} of {name}", counted(self.steps.into(), "step", "steps")));
             let cost = exact_stepping(&name, &scene, self.steps)?;
             let levels = &cost.levels;
             let decided = [levels.float, levels.double, levels.wide.iter().sum(), levels.exact, levels.undecided];

@@ -83,7 +83,7 @@ pub(crate) struct Campaign {
     /// How far a face may be from planar, as a share of its block's size [default: what the file says, or 1e-9]
     #[arg(long, value_name = "SHARE", value_parser = at_least_zero, allow_negative_numbers = true)]
     planarity: Option<Number>,
-    /// Join vertices of --real no further apart than this, in the file's unit of length [default: STL's at the same place]
+    /// Join vertices of --real no further apart than this, in the file's unit of length [default: join only identical ones, and these only in STL]
     #[arg(long, value_name = "DISTANCE", value_parser = at_least_zero, allow_negative_numbers = true)]
     weld: Option<Number>,
     /// Multiply every length of --real first: 1/1000 for files in millimetres
@@ -110,7 +110,7 @@ pub(crate) struct Campaign {
     /// How many steps such a pair makes
     #[arg(long, value_name = "COUNT")]
     steps: Option<u32>,
-    /// Worker threads, with --mpi of each rank [default: one a core]; the results do not depend on it
+    /// Worker threads, with --mpi of each rank [default: one per core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]
@@ -191,7 +191,7 @@ impl Campaign {
         let (identity, start) = (identity.clone(), Start::of(self.resume, self.overwrite));
         Ok(match self.part {
             None => Journal::open(&out, identity, start)?,
-            Some(part) => Journal::open_part(&out, identity, start, part, Machine::here(&**source)?)?,
+            Some(part) => Journal::open_part(&out, identity, start, part, Machine::current(&**source)?)?,
         })
     }
 

@@ -7,26 +7,25 @@ use crate::progress::overlaps;
 use crate::reading::{is_apart_in, is_bent, planarity_that_merges, planarity_that_reads, weld_that_joins};
 use anyhow::Context;
 use rockproof_examine::{CheckError, CheckedModel, Naming, in_seven_digits, violation_json, violations_text};
-use rockproof_model::rules::{Fall, Thin};
 use rockproof_model::text::noun;
+use rockproof_model::tolerance_rules::{Fall, Thin};
 use rockproof_model::{Precision, Scene};
 use std::fmt::Write;
 use std::path::Path;
 
 /// Problems told one by one.
-const MOST_PROBLEMS: usize = 20;
+const MAX_PROBLEMS: usize = 20;
 
 /// Of problems that are all of one sort so many.
-const MOST_ALIKE: usize = 3;
+const MAX_ALIKE: usize = 3;
 
 /// Check the blocks of a file, and the tolerances for them
 ///
-/// Reads every block and says what is wrong with each that is none; then compares the tolerances with the rules that
-/// make them safe for these blocks, exactly, and says what would satisfy each rule that is not met; warns where a block that falls
-/// as far as the model is high would not be stopped within `penetration`; and looks for blocks that overlap, exactly, with what the
-/// contacts see of it.
+/// Reads every block and says of each invalid block what is wrong with it; compares the tolerances exactly with the rules that make them
+/// safe for these blocks, and says what satisfies each rule that is violated; warns where a block that falls as far as the model is high
+/// would end deeper than `penetration`; and finds exactly which blocks overlap and whether contacts see it.
 ///
-/// Exits 0 when all is well, 1 when a rule is violated or blocks overlap deeper than contacts see, 2 when the file or a block cannot be used.
+/// Exits 0 when all is well, 1 when a rule is violated or contacts cannot hold an overlap, 2 when the file or a block cannot be used.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  rockproof check slope.dda --tolerances shi --set search=1/20 --precision f32")]
 pub(crate) struct Check {
@@ -124,7 +123,7 @@ impl ModelArgs {
         if !problems.is_empty() {
             // Faces that are not planar are alike in all blocks, and one option is about them all.
             let bent = problems.iter().all(is_bent);
-            let most = if bent { MOST_ALIKE } else { MOST_PROBLEMS };
+            let most = if bent { MAX_ALIKE } else { MAX_PROBLEMS };
             for problem in problems.iter().take(most) {
                 print_error(&problem.to_string());
             }

@@ -37,7 +37,7 @@ pub(crate) struct Compare {
     /// Discard the report in that directory; other files there stay
     #[arg(long, requires = "out")]
     overwrite: bool,
-    /// Exit with 1 if a sort of findings fared so; may be repeated
+    /// Exit with 1 if a sort of findings has changed so; may be repeated
     #[arg(long, value_enum, value_name = "TREND", value_delimiter = ',')]
     deny: Vec<DeniedTrend>,
 }
@@ -59,7 +59,7 @@ enum DeniedTrend {
     New,
     /// More pairs have one
     More,
-    /// As many pairs have one, but others
+    /// As many pairs have one, but other pairs
     Other,
 }
 
@@ -74,7 +74,7 @@ impl DeniedTrend {
 }
 
 /// How many sorts of findings a terminal shows.
-const SHOWN: usize = 24;
+const EXCERPT_LENGTH: usize = 24;
 
 impl Compare {
     pub(crate) fn run(&self) -> Outcome {
@@ -118,7 +118,7 @@ fn text(comparison: &RunComparison) -> String {
         comparison.findings.classes.iter().filter(|class| class.trend != Trend::Same).collect();
     if !rows.is_empty() {
         let header = ["", "engine", "cause", "change", "predicate", "before", "after", "chance", "pair"];
-        let cells = rows.iter().take(SHOWN).map(|class| {
+        let cells = rows.iter().take(EXCERPT_LENGTH).map(|class| {
             let name = &class.class;
             let words = [class.trend.name(), &name.engine, &name.cause, &name.change, &name.predicate];
             let counts = class.pairs.map(|pairs| pairs.to_string());
@@ -129,8 +129,8 @@ fn text(comparison: &RunComparison) -> String {
         text += &format!("{}\n", table(&header, &[5, 6, 7, 8], cells));
         text += "before and after: pairs with such a finding; pair: one to look at\n";
     }
-    if rows.len() > SHOWN {
-        text += &format!("{} more sorts changed; --format json or --out DIR has all\n", rows.len() - SHOWN);
+    if rows.len() > EXCERPT_LENGTH {
+        text += &format!("{} more sorts changed; --format json or --out DIR has all\n", rows.len() - EXCERPT_LENGTH);
     }
     text
 }

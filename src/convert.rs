@@ -13,8 +13,8 @@ use std::path::PathBuf;
 
 /// Convert blocks to another format
 ///
-/// The formats are told by the extensions. Coordinates are kept exactly; formats other than TOML hold decimals or f64, so a coordinate
-/// that is no f64 (1/3) needs `--precision` to say how it is rounded. What else the format does not keep is said. A file that is there
+/// The file extensions name the formats. Coordinates are kept exactly; formats other than TOML hold decimals or f64, so a coordinate
+/// that is no f64 (1/3) needs `--precision` to say how it is rounded. A note names what else the format does not keep. A file that is there
 /// already is replaced with `--overwrite` alone.
 #[derive(clap::Args)]
 #[command(

@@ -12,11 +12,11 @@ use std::time::Instant;
 
 /// How much a command says beside its result.
 #[derive(clap::Args)]
-pub(crate) struct TalkArgs {
-    /// Say nothing on stderr but errors: no progress, no notes
+pub(crate) struct VerbosityArgs {
+    /// Print nothing on stderr but errors: no progress, no notes
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
-    /// Say at the end how long it took, and how much memory where the system tells
+    /// At the end print the run time, and the memory where the system reports it
     #[arg(short, long, global = true)]
     verbose: bool,
 }
@@ -29,7 +29,7 @@ pub(crate) fn shows_progress() -> bool {
     io::stderr().is_terminal() && !QUIET.load(Ordering::Relaxed)
 }
 
-impl TalkArgs {
+impl VerbosityArgs {
     /// Makes it hold from now on.
     pub(crate) fn apply(&self) {
         QUIET.store(self.quiet, Ordering::Relaxed);

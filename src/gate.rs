@@ -22,9 +22,9 @@ use rockproof_gate::answers::{self, Answers};
 use rockproof_gate::config::{Baseline, GateConfig};
 use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::tally::{CampaignTally, TallyRow};
-use rockproof_gate::{self, Check, corpus, junit, reach, summary};
+use rockproof_gate::{self, Check, corpus, junit, limit_scope, summary};
 use rockproof_model::files::read_text;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_report::load::Results;
 use rockproof_report::step_verdict::step_line;
 use rockproof_report::verdict::VerdictLine;
@@ -68,7 +68,7 @@ pub(crate) struct Gate {
     /// Seed of the rotating campaign [default: the number of today, counted from 1970]
     #[arg(long, value_name = "SEED")]
     rotating_seed: Option<u64>,
-    /// Worker threads [default: one a core]; the results do not depend on it
+    /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]
@@ -101,7 +101,7 @@ impl Gate {
         let engines = Engines::of(&config.campaign).with_context(|| file.clone())?;
         let source = source::of(&config.campaign).with_context(|| file.clone())?;
         self.check_names(&config, &engines)?;
-        reach::check(&config, &source, (&file, &text)).map_err(anyhow::Error::msg)?;
+        limit_scope::check(&config, &source, (&file, &text)).map_err(anyhow::Error::msg)?;
         anyhow::ensure!(
             !config.limit.is_empty() || config.baseline.is_some() || !corpus::files(&config.corpus)?.is_empty(),
             "{file}: there is nothing to check: it has no [[limit]] and no [baseline], and its corpus holds no case"
@@ -140,7 +140,7 @@ impl Gate {
         for limit in config.limit.iter().map(toml::Spanned::get_ref) {
             let file = self.file.display();
             if let Some(found) = limit.engine.as_ref().filter(|name| !allowed.contains(&name.as_str())) {
-                let found = excerpt(found, SHOWN);
+                let found = excerpt(found, EXCERPT_LENGTH);
                 anyhow::bail!("{file}: limit: engine is \"{found}\"; allowed are {}", allowed.join(", "));
             }
             let names = |list: &Option<String>| list.iter().cloned().collect::<Vec<_>>();

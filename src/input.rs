@@ -23,7 +23,7 @@ pub(crate) struct ReadArgs {
     /// How far a face may be from planar, as a share of its block's size [default: what the file says, or 1e-9]
     #[arg(long, value_name = "SHARE", value_parser = at_least_zero, allow_negative_numbers = true)]
     planarity: Option<Number>,
-    /// Join vertices no further apart than this, in the file's unit of length [default: STL's at the same place]
+    /// Join vertices no further apart than this, in the file's unit of length [default: join only identical ones, and these only in STL]
     #[arg(long, value_name = "DISTANCE", value_parser = at_least_zero, allow_negative_numbers = true)]
     weld: Option<Number>,
     /// Multiply every length first: 1/1000 for a file in millimetres; 1 says that metres are meant

@@ -44,7 +44,7 @@ use std::time::Instant;
 #[command(name = "rockproof", version, max_term_width = 120)]
 struct Cli {
     #[command(flatten)]
-    talk: exit::TalkArgs,
+    talk: exit::VerbosityArgs,
     #[command(subcommand)]
     command: Command,
 }

@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// Make of the parts of a campaign the directory that one machine would have made
+/// Merge the parts of a campaign into the directory that one machine would have made
 ///
 /// Tables and case files are the same byte for byte; run.json and progress.json hold times, and engines.csv counts what depends on threads and
 /// on luck. The case files are made here, so an external engine that the campaign asks must be here as well.
@@ -51,7 +51,7 @@ pub(crate) struct Merge {
     /// Exit with 1 if there is a finding of this cause or change, or `any`; `recovered` for failures of engines that did not repeat; may be repeated
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     deny: Vec<String>,
-    /// Worker threads [default: one a core]; the results do not depend on it
+    /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]
@@ -67,7 +67,7 @@ impl Merge {
         let engines = Engines::of(config)?;
         let source = pair_source(config)?;
         let batch_len = source.batch_len();
-        parts.check(&source::identity(config)?, &Machine::here(&*source)?, batch_len)?;
+        parts.check(&source::identity(config)?, &Machine::current(&*source)?, batch_len)?;
         let stop = on_ctrl_c()?;
         if !probed(&engines, &stop)? {
             return Ok(Verdict::Interrupted);

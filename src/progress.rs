@@ -2,9 +2,9 @@
 
 use crate::exit::{print_note, shows_progress};
 use crate::table::grouped;
-use crate::terminal::{MOVES, Progress, beside, in_groups};
+use crate::terminal::{BAR_INTERVAL, Progress, beside, in_groups};
 use indicatif::{ProgressBar, ProgressStyle};
-use rockproof_campaign::journal::Seen as SeenPairs;
+use rockproof_campaign::journal::ProgressCounts;
 use rockproof_examine::{MeasuredOverlaps, Overlaps, Stage, StageProgress, WorkProgress};
 use rockproof_model::{Block, ToleranceSet};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 const LINES: Duration = Duration::from_secs(10);
 
 /// Shows how much of so many pairs has been seen, until `work` ends, and gives what it gives.
-pub(crate) fn shown_while<T>(pairs: u64, seen: Arc<SeenPairs>, work: impl FnOnce() -> T) -> T {
+pub(crate) fn shown_while<T>(pairs: u64, seen: Arc<ProgressCounts>, work: impl FnOnce() -> T) -> T {
     let now = || {
         let shrinking = if seen.shrinking.load(Ordering::Relaxed) { ", shrinking some" } else { "" };
         let findings = grouped(seen.findings.load(Ordering::Relaxed));
@@ -60,7 +60,7 @@ fn show_stages(seen: &WorkProgress, ended: &AtomicBool) {
                 print_note(&format!("{}: {} of {}", now.stage.name(), grouped(now.done), grouped(now.total)));
             }
         }
-        std::thread::park_timeout(MOVES);
+        std::thread::park_timeout(BAR_INTERVAL);
     }
     if let Some((_, bar)) = bar {
         bar.finish_and_clear();

@@ -16,14 +16,14 @@ use rockproof_differential::explain::{DivergentDecision, divergent_decisions};
 use rockproof_differential::external::protocol::completed;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::indexed_trace::IndexedTrace;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{Contact, Precision, ToleranceSet};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::io::{self, Write};
 
-/// Show what each engine and the oracle say about a case, decision by decision where they part
+/// Show what each engine and the oracle say about a case, decision by decision where they differ
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   rockproof replay reports/campaign-1/cases/v-f-arithmetic-….toml
@@ -264,14 +264,14 @@ fn show(out: &mut impl Write, case: &Case, said: &[EngineDecisions], partings: &
     let how = if about.cause == Cause::Engine.name() { "nearest tie" } else { "decided by" };
     let decided = match about.predicate.as_str() {
         "" => String::new(),
-        predicate => format!(", {how} {predicate} {}", excerpt(&about.features, SHOWN)),
+        predicate => format!(", {how} {predicate} {}", excerpt(&about.features, EXCERPT_LENGTH)),
     };
     writeln!(out, "{} {} by {}{decided}", about.cause, about.change, about.engine)?;
     if let Some(margin) = about.margin {
         let ulps = about.margin_ulps.map_or(String::new(), |u| format!(", {u:.3} roundoffs"));
         writeln!(out, "margin {margin:e}{ulps}")?;
     }
-    writeln!(out, "from {}\n", excerpt(&about.origin, SHOWN))?;
+    writeln!(out, "from {}\n", excerpt(&about.origin, EXCERPT_LENGTH))?;
     let keys: BTreeSet<_> = said.iter().flat_map(|s| s.contacts.iter().flatten()).map(|c| c.key).collect();
     let mut header = vec!["contact"];
     header.extend(said.iter().map(|s| s.name.as_str()));

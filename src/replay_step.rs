@@ -6,12 +6,12 @@ use crate::input::FormatArgs;
 use crate::table::table;
 use anyhow::Context;
 use rockproof_differential::lockstep::answer::described;
-use rockproof_differential::lockstep::intrusion::Intruded;
+use rockproof_differential::lockstep::intrusion::PairIntrusion;
 use rockproof_differential::lockstep::{
     AttributedDifference, ComparedStep, Drift, Intrusion, ReplayedStep, StepCase, StepDecisions, WatchedStep,
 };
 use rockproof_model::Contact;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -66,8 +66,9 @@ fn document(case: &StepCase, (step, drift): (&ComparedStep, Option<Drift>), recu
         })
     };
     let intrusions = |watched: &WatchedStep| {
-        let side = |found: &[Intruded]| -> Vec<Value> {
-            let one = |one: &Intruded| json!({ "kind": one.kind.name(), "blocks": one.blocks, "depth_m": one.depth });
+        let side = |found: &[PairIntrusion]| -> Vec<Value> {
+            let one =
+                |one: &PairIntrusion| json!({ "kind": one.kind.name(), "blocks": one.blocks, "depth_m": one.depth });
             found.iter().map(one).collect()
         };
         let causes = watched.attributed.iter().map(|one| {
@@ -97,7 +98,7 @@ fn document(case: &StepCase, (step, drift): (&ComparedStep, Option<Drift>), recu
 }
 
 fn show(out: &mut String, case: &StepCase, step: &ComparedStep, drift: Option<Drift>) -> std::fmt::Result {
-    writeln!(out, "step {} in {}, recorded by {}\n", case.step, case.engine, excerpt(&case.version, SHOWN))?;
+    writeln!(out, "step {} in {}, recorded by {}\n", case.step, case.engine, excerpt(&case.version, EXCERPT_LENGTH))?;
     let both = [&step.oracle, &step.stepper].map(Option::as_ref);
     let sides = both.map(|answer| answer.map_or_else(|| [(); 5].map(|()| "–".to_owned()), in_words));
     let names = ["contacts", "solves", "converged", "given up before", "Δt (s)"];

@@ -21,7 +21,7 @@ use rockproof_differential::lockstep::{
 use rockproof_examine::{AuditedRun, IntrusionRecorder, violation_json, violations_text};
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, step_in_words};
-use rockproof_model::{Precision, Scene, ToleranceSet, rules};
+use rockproof_model::{Precision, Scene, ToleranceSet, tolerance_rules};
 use rockproof_oracle::step::KeptPrecision;
 use rockproof_report::table::counted;
 use rockproof_results::{Start, bounded};
@@ -217,7 +217,7 @@ impl Simulate {
         }
         self.hold(&mut scene);
         scene.derive_stiffness(&set);
-        let violations = rules::check_scene(&set, &scene, precision);
+        let violations = tolerance_rules::check_scene(&set, &scene, precision);
         if !violations.is_empty() && !self.force {
             self.format.print(
                 || violations_text(&violations),
@@ -279,7 +279,7 @@ impl Simulate {
         let (file, dir) = (self.scene.path().to_path_buf(), self.directory());
         Start::of(false, self.overwrite).refuse_inputs(&dir, self.inputs())?;
         let run = ExactRun { file, dir, plan: ready.plan, overwrite: self.overwrite, names };
-        run.go(&self.format, Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
+        run.run(&self.format, Trajectory::new(&ready.scene, &ready.set, self.keep(&ready.scene)))
     }
 
     fn keep(&self, scene: &Scene) -> KeptPrecision {
@@ -384,7 +384,7 @@ impl Simulate {
         )?;
         let audit = &record.progress().totals.audit;
         Ok(match ending {
-            Ending::Finished if audit.as_ref().is_some_and(AuditTotals::objects) => Verdict::CheckFailed,
+            Ending::Finished if audit.as_ref().is_some_and(AuditTotals::finds_fault) => Verdict::CheckFailed,
             Ending::Finished => Verdict::Passed,
             Ending::Interrupted => Verdict::Interrupted,
             Ending::Stopped(stopped) => {
@@ -462,11 +462,12 @@ impl Display {
 fn line(report: &StepReport) -> String {
     let contacts: u32 = report.contacts.iter().flatten().sum();
     format!(
-        "{}, {} s, Δt {} s, {contacts} contacts, {} iterations, {} J kinetic, {} J potential",
+        "{}, {} s, Δt {} s, {}, {}, {} J kinetic, {} J potential",
         step_in_words(report.step),
         short(report.time),
         short(report.time_step),
-        report.iterations,
+        counted(contacts.into(), "contact", "contacts"),
+        counted(report.iterations.into(), "iteration", "iterations"),
         short(report.kinetic),
         short(report.potential())
     )
@@ -517,7 +518,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, over
             pair.map(|pair| json!({ "blocks": pair.blocks, "depth_m": pair.depth_m.0, "step": pair.step }))
         };
         json!({
-            "objects": audit.objects(),
+            "objects": audit.finds_fault(),
             "steps": audit.steps,
             "steps_unseen": audit.steps_unseen,
             "most_unseen_pairs": audit.most_unseen,
@@ -572,7 +573,7 @@ fn write_summary<R: Real>(
     let RunProgress { totals, seconds, .. } = record.progress();
     let audit = totals.audit.as_ref();
     // What makes all the rest worthless comes first.
-    if let Some(audit) = audit.filter(|audit| audit.objects()) {
+    if let Some(audit) = audit.filter(|audit| audit.finds_fault()) {
         writeln!(out, "audit            {}\n", audit.verdict())?;
     }
     let all = totals.steps + totals.settling;
@@ -613,7 +614,7 @@ fn write_summary<R: Real>(
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
     write_lockstep(out, &record.progress().beside)?;
     match (audit, overlaps) {
-        (Some(audit), _) if audit.objects() => {}
+        (Some(audit), _) if audit.finds_fault() => {}
         (Some(audit), _) => writeln!(out, "audit            {}", audit.verdict())?,
         (None, Some(sentence)) => writeln!(out, "model            {sentence}; without --no-audit they are followed")?,
         (None, None) => {}
@@ -642,7 +643,8 @@ fn write_lockstep(out: &mut String, counts: &BTreeMap<String, u64>) -> std::fmt:
     let count = |name: &str| counts.get(name).copied().unwrap_or(0);
     let by_cause: Vec<String> =
         table::CAUSES.iter().map(|&cause| format!("{} {cause}", grouped(differences(counts, cause)))).collect();
-    writeln!(out, "lockstep         {} of {} steps differ", grouped(count("steps_differing")), grouped(*steps))?;
+    let all = counted(*steps, "step differs", "steps differ");
+    writeln!(out, "lockstep         {} of {all}", grouped(count("steps_differing")))?;
     writeln!(out, "differences      {}", by_cause.join(", "))?;
     writeln!(out, "undecided        {} of the oracle", counted(count("undecided"), "decision", "decisions"))?;
     let ratio = count("oracle_microseconds") as f64 / count("stepper_microseconds").max(1) as f64;

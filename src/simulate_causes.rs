@@ -1,7 +1,7 @@
 //! An audited `simulate`: why blocks passed through one another or overlap unseen, once the run has ended, and cases to replay it.
 
 use crate::exit::print_note;
-use rockproof_differential::lockstep::intrusion_case::MOST_BLOCKS;
+use rockproof_differential::lockstep::intrusion_case::MAX_BLOCKS;
 use rockproof_examine::IntrusionCases;
 use rockproof_model::simulation::step_in_words;
 use rockproof_model::{Precision, Scene, ToleranceSet};
@@ -35,7 +35,7 @@ pub(crate) fn write_causes(out: &mut String, rows: &[IntrusionRow]) -> std::fmt:
             _ if !causes.is_empty() => causes.join(", "),
             Some(blocks) if first.case.is_empty() => {
                 format!(
-                    "unknown: {blocks} blocks show it, no fewer were found, and no more than {MOST_BLOCKS} are stepped exactly"
+                    "unknown: {blocks} blocks show it, no fewer were found, and no more than {MAX_BLOCKS} are stepped exactly"
                 )
             }
             _ => "unknown".to_owned(),

@@ -4,7 +4,7 @@ use crate::exit::{Outcome, Verdict, print_error};
 use crate::input::FormatArgs;
 use crate::stop::on_ctrl_c;
 use rockproof_differential::lockstep::Trajectory;
-use rockproof_differential::lockstep::penetration_cause::penetration;
+use rockproof_differential::lockstep::penetration_effect::penetration;
 use rockproof_model::Number;
 use rockproof_model::simulation::step_in_words;
 use rockproof_model::text::csv_cell;
@@ -46,7 +46,7 @@ pub(super) struct ExactRun {
 }
 
 impl ExactRun {
-    pub(super) fn go(&self, format: &FormatArgs, mut trajectory: Trajectory) -> Outcome {
+    pub(super) fn run(&self, format: &FormatArgs, mut trajectory: Trajectory) -> Outcome {
         let dir = &self.dir;
         let start = Start::of(false, self.overwrite);
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Simulate, start, files: &FILES })?;

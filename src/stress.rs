@@ -88,7 +88,7 @@ fn too_few(limits: &[AgreementLimit]) -> String {
     // What is at the limit itself has no figure; what is near it would cost more than it is worth.
     let Some(least) = needed.iter().flatten().min() else { return String::new() };
     prose(&format!(
-        "too few pairs to tell at {} of {} limits; {least} pairs a level begin to tell: --pairs {}\n",
+        "too few pairs to tell at {} of {} limits; {least} pairs a level are enough for the first: --pairs {}\n",
         needed.len(),
         limits.len(),
         StressSource::pairs_for(*least)

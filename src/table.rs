@@ -3,14 +3,14 @@
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, TableComponent, Width, presets};
 use std::io;
 
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 pub(crate) use rockproof_report::table::{counted, grouped};
 
 /// A table with a header; the columns named in `numbers` are aligned to the right. Cells are of one line and show what they hold, cut where it
 /// is long. On a terminal it is no wider than that; elsewhere it is as wide as its cells ask for.
 pub(crate) fn table(header: &[&str], numbers: &[usize], rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let mut table = Cells::new(header, numbers);
-    table.rows.extend(rows.into_iter().map(|row| row.iter().map(|cell| excerpt(cell, SHOWN)).collect()));
+    table.rows.extend(rows.into_iter().map(|row| row.iter().map(|cell| excerpt(cell, EXCERPT_LENGTH)).collect()));
     let terminal = terminal_size::terminal_size_of(io::stdout());
     match terminal {
         Some((terminal_size::Width(width), _)) => table.within(usize::from(width)),
@@ -62,7 +62,7 @@ const SPACE: usize = 3;
 
 impl<'a> Cells<'a> {
     fn new(header: &[&str], numbers: &'a [usize]) -> Cells<'a> {
-        Cells { header: header.iter().map(|cell| excerpt(cell, SHOWN)).collect(), numbers, rows: Vec::new() }
+        Cells { header: header.iter().map(|cell| excerpt(cell, EXCERPT_LENGTH)).collect(), numbers, rows: Vec::new() }
     }
 
     fn all(&self) -> Vec<usize> {

@@ -23,13 +23,13 @@ pub(crate) fn to_stdout(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
 }
 
 /// The most worker threads; more of them than cores gain nothing.
-const MOST_THREADS: usize = 1024;
+const MAX_THREADS: usize = 1024;
 
 /// A number of worker threads; 0 for one a core.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
-        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
-        _ => Err(format!("allowed are 1 to {MOST_THREADS}, and 0 for one a core")),
+        Ok(threads) if threads <= MAX_THREADS => Ok(threads),
+        _ => Err(format!("allowed are 1 to {MAX_THREADS}, and 0 for one a core")),
     }
 }
 
@@ -39,8 +39,8 @@ pub(crate) fn threads(text: &str) -> Result<usize, String> {
 /// With the variable, what was found and what is allowed.
 pub(crate) fn check_environment() -> Result<(), String> {
     let asked = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"].map(|name| (name, std::env::var(name).unwrap_or_default()));
-    match asked.iter().find(|(_, text)| text.parse::<u64>().is_ok_and(|threads| threads > MOST_THREADS as u64)) {
-        Some((name, text)) => Err(format!("{name} is {text}; allowed are 1 to {MOST_THREADS}, and 0 for one a core")),
+    match asked.iter().find(|(_, text)| text.parse::<u64>().is_ok_and(|threads| threads > MAX_THREADS as u64)) {
+        Some((name, text)) => Err(format!("{name} is {text}; allowed are 1 to {MAX_THREADS}, and 0 for one a core")),
         None => Ok(()),
     }
 }
@@ -95,7 +95,7 @@ pub(crate) fn beside<T>(show: impl FnOnce(&AtomicBool) + Send, work: impl FnOnce
 }
 
 /// How often a bar moves.
-pub(crate) const MOVES: Duration = Duration::from_millis(200);
+pub(crate) const BAR_INTERVAL: Duration = Duration::from_millis(200);
 
 impl Progress<'_> {
     /// Shows it until `work` ends, and gives what that gives.
@@ -133,7 +133,7 @@ impl Progress<'_> {
                 }
                 None => {}
             }
-            std::thread::park_timeout(MOVES);
+            std::thread::park_timeout(BAR_INTERVAL);
         }
         if let Some(bar) = bar {
             bar.finish_and_clear();

@@ -14,7 +14,7 @@ use rockproof_model::{Precision, Scene, ToleranceSpec};
 use rockproof_report::latex::latex;
 use rockproof_report::table::{Table, TableCell, counted};
 use rockproof_results::{Start, bounded, digest};
-use rockproof_tune::distribute::Enough;
+use rockproof_tune::distribute::StopCriterion;
 use rockproof_tune::report::{as_toml, markdown, sides};
 use rockproof_tune::{EvaluatedCandidate, Evaluator, Search, SearchRecord, TuneError, UnauditedEvaluator};
 use serde_json::{Map, Value, json};
@@ -74,7 +74,7 @@ pub(crate) struct Tune {
     /// Share the work among the ranks of an MPI job (docs/scale.md; a build with the feature mpi)
     #[arg(long)]
     mpi: bool,
-    /// Worker threads, with --mpi of each rank [default: one a core]; the results do not depend on it
+    /// Worker threads, with --mpi of each rank [default: one per core]; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]
@@ -160,7 +160,7 @@ impl Tune {
         (evaluator, author): (&Evaluator, &ToleranceSpec),
         (identity, dir): (&Map<String, Value>, &Path),
         stop: &AtomicBool,
-        search_all: impl FnOnce(&mut Search<'_>, &Enough<'_>, Commit<'_>) -> anyhow::Result<()>,
+        search_all: impl FnOnce(&mut Search<'_>, &StopCriterion<'_>, Commit<'_>) -> anyhow::Result<()>,
     ) -> Outcome {
         let here = || self.tolerances.place(self.file.path());
         let mut search = Search::new(evaluator, author, self.seed).with_context(here)?;
@@ -173,7 +173,7 @@ impl Tune {
             // The first of all is always measured: it is what the others are compared with.
             None => tried > 0 && begun.elapsed() >= Duration::from_secs(self.budget),
         };
-        let enough = Enough { reached: &reached, most: self.candidates.map(|count| count as usize) };
+        let enough = StopCriterion { reached: &reached, most: self.candidates.map(|count| count as usize) };
         let bar = shows_progress().then(spinner);
         let ended = search_all(&mut search, &enough, &mut |search| {
             record.commit(search)?;

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! docs/benchmark_set.md says what stands in it. Pairs are taken in the order in which a campaign makes them until every family has its share of every
-//! difficulty; where a family has no more of one within [`MOST_BATCHES`], the others have more.
+//! difficulty; where a family has no more of one within [`MAX_BATCHES`], the others have more.
 
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::pairs::PairCase;
@@ -30,11 +30,11 @@ const PAIRS: usize = 2000;
 /// The seed of the campaign that makes them.
 const SEED: u64 = 2000;
 /// Batches looked at.
-const MOST_BATCHES: u64 = 2800;
+const MAX_BATCHES: u64 = 2800;
 /// Blocks of more vertices are left out: the file is for reading too.
-const MOST_VERTICES: usize = 12;
+const MAX_VERTICES: usize = 12;
 /// Digits of the longest fraction allowed in an answer.
-const MOST_DIGITS: usize = 600;
+const MAX_DIGITS: usize = 600;
 const FILE: &str = "cases/benchmark/pairs.jsonl";
 /// The least precise arithmetic of the float code that answers a pair rightly; `exact` where f64 does not either.
 const DIFFICULTIES: [&str; 3] = ["f32", "f64", "exact"];
@@ -67,7 +67,7 @@ fn lines() -> Result<Vec<String>, Box<dyn Error>> {
     };
     let source = source::of(&config)?;
     let mut cells: BTreeMap<(&str, &str), Vec<(u64, Value)>> = BTreeMap::new();
-    for case in (0..MOST_BATCHES).flat_map(|number| source.cases(number)) {
+    for case in (0..MAX_BATCHES).flat_map(|number| source.cases(number)) {
         let tolerances = case.sets[0].f64.clone();
         if !can_be_given(&tolerances) || ![&case.a, &case.b].into_iter().all(stands_for_itself) {
             continue;
@@ -95,7 +95,7 @@ fn lines() -> Result<Vec<String>, Box<dyn Error>> {
 /// Whether vertices and faces as they are written make the same block again.
 fn stands_for_itself(block: &Block) -> bool {
     let again = || Block::new(block.vertices().to_vec(), block.topology().faces().to_vec(), &BlockOptions::default());
-    block.vertices().len() <= MOST_VERTICES && again().is_ok_and(|again| again == *block)
+    block.vertices().len() <= MAX_VERTICES && again().is_ok_and(|again| again == *block)
 }
 
 /// Whether somebody could ask for these tolerances: a ladder goes beyond, to sines above 1.
@@ -116,7 +116,7 @@ fn difficulty(case: &PairCase, tolerances: &ToleranceSet, exact: &[Contact]) -> 
 
 /// The pair with its exact answers; `None` where a fraction is longer than is of use.
 fn answers(case: &PairCase, tolerances: &ToleranceSet, pair: &Pair<'_>, contacts: &[Contact]) -> Option<Value> {
-    let short = |text: String| (text.len() <= MOST_DIGITS).then_some(text);
+    let short = |text: String| (text.len() <= MAX_DIGITS).then_some(text);
     let contacts: Option<Vec<Value>> = contacts
         .iter()
         .map(|contact| {

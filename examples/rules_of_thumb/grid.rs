@@ -8,7 +8,7 @@ use rockproof_campaign::tolerance_sets::SetSource;
 use rockproof_differential::attribution::{EnginePanel, examine};
 use rockproof_differential::builtin;
 use rockproof_differential::finding::{Cause, FindingScope};
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::Subject;
 use rockproof_model::Precision;
 use rockproof_oracle::penetration::penetration;
 
@@ -19,26 +19,26 @@ pub(crate) const PAIRS: u64 = 1024;
 const SEED: u64 = 1;
 
 /// A tolerance and the values that it takes, as changes of `auto`; the last of each is what a plot shows on its axis.
-pub(crate) struct Ladder {
+pub(crate) struct ToleranceSeries {
     /// The tolerance.
     pub(crate) name: &'static str,
     /// What the axis shows.
     pub(crate) label: &'static str,
     /// Changes, and places on the axis.
-    pub(crate) rungs: Vec<(String, f64)>,
+    pub(crate) values: Vec<(String, f64)>,
 }
 
 /// The tolerances that are changed.
-pub(crate) fn ladders() -> Vec<Ladder> {
-    let times = |name: &'static str, label, factors: &[(&str, f64)]| Ladder {
+pub(crate) fn tolerance_series() -> Vec<ToleranceSeries> {
+    let times = |name: &'static str, label, factors: &[(&str, f64)]| ToleranceSeries {
         name,
         label,
-        rungs: factors.iter().map(|(text, value)| (format!("{name}*{text}"), *value)).collect(),
+        values: factors.iter().map(|(text, value)| (format!("{name}*{text}"), *value)).collect(),
     };
-    let angles = |name: &'static str, label| Ladder {
+    let angles = |name: &'static str, label| ToleranceSeries {
         name,
         label,
-        rungs: [0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 8.0]
+        values: [0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 8.0]
             .iter()
             .map(|degrees| (format!("{name}={degrees}"), *degrees))
             .collect(),
@@ -78,7 +78,7 @@ pub(crate) struct Row {
     pub(crate) missed_in: BTreeSet<String>,
 }
 
-/// Measures every rung of every ladder.
+/// Measures every value of every series.
 pub(crate) fn measure(count: u64) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
     let names = [Precision::F32, Precision::F64].map(|p| builtin::ENGINES[usize::from(p == Precision::F64)].to_owned());
     let panel: EnginePanel = builtin::panel(&names, 0)?;
@@ -91,13 +91,13 @@ pub(crate) fn measure(count: u64) -> Result<Vec<Row>, Box<dyn std::error::Error>
     let depths: Vec<Option<f64>> =
         cases.par_iter().map(|case| penetration(&case.a, &case.b).and_then(|found| found.depth_m())).collect();
     let mut rows = Vec::new();
-    for ladder in ladders() {
-        for (change, value) in &ladder.rungs {
+    for series in tolerance_series() {
+        for (change, value) in &series.values {
             for criteria in ["revised", "classic"] {
                 let name = format!("auto@{change}@criteria={criteria}");
                 let source = SetSource::named(&name).ok_or_else(|| format!("no set {name}"))?;
                 let none = Row {
-                    tolerance: ladder.name,
+                    tolerance: series.name,
                     value: *value,
                     criteria,
                     pairs: 0,
@@ -145,14 +145,7 @@ fn count_differences(
     let solids = [rockproof_oracle::PreparedBlock::new(&case.a), rockproof_oracle::PreparedBlock::new(&case.b)];
     let contacts = rockproof_oracle::Pair::new(&solids[0], &solids[1]).classify(&set.f64).contacts.len() as u64;
     let allowed = set.f64.penetration.approximate();
-    let subject = Subject {
-        index: case.index,
-        family: case.family.into(),
-        form: case.form.name().into(),
-        a: case.a.clone(),
-        b: case.b.clone(),
-        sets: vec![SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 }],
-    };
+    let subject = Subject::from(pairs::PairCase { sets: vec![set], ..case.clone() });
     let findings = examine(&subject, panel).findings;
     let differs = |engine: &str, precision: Precision| {
         findings.iter().any(|finding| match &finding.scope {

@@ -1,6 +1,6 @@
 //! The tables and charts of the measurements.
 
-use crate::grid::{Row, ladders};
+use crate::grid::{Row, tolerance_series};
 use crate::steps::{ANGLES, Approach, ClassicCrossing, Crossing};
 use rockproof_bench::plot::{Legend, Marks, Plot, PlotAxis, Series};
 use rockproof_campaign::proportion::wilson;
@@ -10,9 +10,9 @@ use std::fmt::Write;
 /// The charts by the names of their files.
 pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossing]) -> Vec<(String, Plot)> {
     let mut all = Vec::new();
-    for ladder in ladders() {
+    for tolerance in tolerance_series() {
         let of = |criteria: &str, count: &dyn Fn(&Row) -> u64, name: &str| {
-            let mine = rows.iter().filter(|row| row.tolerance == ladder.name && row.criteria == criteria);
+            let mine = rows.iter().filter(|row| row.tolerance == tolerance.name && row.criteria == criteria);
             let percent = |row: &Row| 100.0 * count(row) as f64 / row.pairs.max(1) as f64;
             let interval = |row: &Row| wilson(count(row), row.pairs).map(|end| 100.0 * end);
             let (points, intervals) = mine.map(|row| ([row.value, percent(row)], interval(row))).unzip();
@@ -23,12 +23,12 @@ pub(crate) fn charts(rows: &[Row], approaches: &[Approach], crossings: &[Crossin
         let mut series: Vec<Series> = both(&|row| row.changed, "types changed").into();
         series.extend(both(&|row| row.differ[0], "f32 differs"));
         series.extend(both(&|row| row.differ[1], "f64 differs"));
-        let title = format!("What {} does to contact types", ladder.name);
+        let title = format!("What {} does to contact types", tolerance.name);
         all.push((
-            ladder.name.to_owned(),
+            tolerance.name.to_owned(),
             Plot {
                 title,
-                x: PlotAxis::linear(ladder.label),
+                x: PlotAxis::linear(tolerance.label),
                 y: PlotAxis::linear("pairs (%)"),
                 series,
                 legend: Legend::Beside,

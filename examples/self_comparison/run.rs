@@ -10,7 +10,7 @@ use rockproof_campaign::run::Ending;
 use rockproof_report::table::grouped;
 use rockproof_results::{Start, on_unprotected};
 use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord};
-use rockproof_validation::self_comparison::run::{Comparison, Seen};
+use rockproof_validation::self_comparison::run::{Comparison, ProgressCounts};
 use rockproof_validation::self_comparison::total::Total;
 use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
@@ -75,7 +75,7 @@ impl Run {
         let mut record = ComparisonRecord::open(&self.out, plan, &config, Start::of(self.resume, self.overwrite))?;
         let share = plan.share();
         let comparison = Comparison { paths: PATHS, config: &config, threads: self.threads };
-        let seen = Seen::default();
+        let seen = ProgressCounts::default();
         let now = || {
             let disagreements = grouped(seen.disagreements.load(Ordering::Relaxed));
             (seen.pairs.load(Ordering::Relaxed), format!("{disagreements} disagreements"))

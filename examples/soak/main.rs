@@ -9,7 +9,7 @@
 //! Each step is an attack that seed and number choose: campaigns, parts with their merge, simulations and searches are killed, interrupted, run out of
 //! room, find their directory read-only, run under other time zones, languages and clocks, find their files damaged; engines misbehave; input is
 //! mutated. Afterwards the work goes on, and every file must hold the bytes of a run that was never disturbed. Nothing may panic, take more
-//! than [`program::MOST_SECONDS`] of processor time or [`program::MOST_MEMORY`] of memory. The last line counts what was done; exit 1 when
+//! than [`program::MAX_SECONDS`] of processor time or [`program::MAX_MEMORY`] of memory. The last line counts what was done; exit 1 when
 //! anything was wrong. The moment of a kill depends on the clock, so a failure that a step has once may need the step repeated.
 //!
 //! The program is the one that the variable ROCKPROOF names, or is built. Needs Linux and a C compiler; full disks need root.

@@ -2,7 +2,7 @@
 
 use crate::counts::Counts;
 // What an input to a reader may take, a process may: of seconds processor time, of memory what it may map. Everything that a soak asks for is small.
-pub(crate) use rockproof_fuzz::{MOST_MEMORY, MOST_SECONDS, peak_memory};
+pub(crate) use rockproof_fuzz::{MAX_MEMORY, MAX_SECONDS, peak_memory};
 use std::fs;
 use std::io::Read;
 use std::os::unix::process::ExitStatusExt;
@@ -100,7 +100,7 @@ impl Program {
             Disturbance::LimitedFiles(blocks) => format!("trap '' XFSZ; ulimit -f {blocks}; "),
             _ => String::new(),
         };
-        let script = format!("ulimit -v {MOST_MEMORY}; {files}exec \"$0\" \"$@\"");
+        let script = format!("ulimit -v {MAX_MEMORY}; {files}exec \"$0\" \"$@\"");
         let mut command = Command::new("sh");
         command.args(["-c", &script]).arg(&self.path).args(&call.arguments).current_dir(dir);
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -168,7 +168,7 @@ fn watch(child: &mut Child, disturbance: Disturbance, begin: Instant, counts: &m
             let proc = PathBuf::from(format!("/proc/{}", child.id()));
             counts.memory = counts.memory.max(peak_memory(&proc));
             let (cpu, wall) = (processor_seconds(&proc), begin.elapsed());
-            if cpu > MOST_SECONDS as f64 || wall > PATIENCE {
+            if cpu > MAX_SECONDS as f64 || wall > PATIENCE {
                 let threads = waiting_at(&proc);
                 drop(child.kill());
                 drop(child.wait());

@@ -34,7 +34,7 @@ struct Arguments {
 /// How often the counts are shown.
 const SHOWN_EVERY: Duration = Duration::from_secs(60);
 /// Failures after which nothing more is tried.
-const MOST_FAILURES: u64 = 10;
+const MAX_FAILURES: u64 = 10;
 /// A step that takes longer than this has met a reader that does not end.
 const LONGEST_STEP: Duration = Duration::from_secs(900);
 
@@ -106,7 +106,7 @@ fn soak(arguments: &Arguments, program: &Program) -> ExitCode {
     std::thread::scope(|scope| {
         for _ in 0..threads {
             scope.spawn(|| {
-                while begin.elapsed() < end && !stop.load(Ordering::SeqCst) && total.now().failures < MOST_FAILURES {
+                while begin.elapsed() < end && !stop.load(Ordering::SeqCst) && total.now().failures < MAX_FAILURES {
                     let number = arguments.step.unwrap_or_else(|| next.fetch_add(1, Ordering::Relaxed));
                     let overdue = Overdue::watch(arguments.seed, number);
                     total.add(&step(program, arguments.seed, number));

@@ -20,9 +20,9 @@
 //! stepper has moved, [`Screen`] leaves out in f64, proved, all pairs that need no exact answer.
 
 mod decider;
-mod meaning;
 mod planes;
 mod screen;
+mod severity;
 
 use crate::boxes::{self, Box3, meeting_pairs};
 use crate::interiors;
@@ -30,11 +30,11 @@ use crate::penetration::{Penetration, penetration};
 use crate::separation::{PointSet, SeparationAnswer, separate};
 use crate::{Gap, Pair, PreparedBlock};
 pub use decider::{AuditCounts, Decider};
-pub use meaning::{Meaning, rounding_depth, rounding_depth_of_size};
 use num_rational::BigRational;
 use planes::FacePlanes;
 use rockproof_model::{Block, Contact, ContactKey, Number, ToleranceSet};
 pub use screen::Screen;
+pub use severity::{OverlapSeverity, rounding_depth, rounding_depth_of_size};
 use std::sync::OnceLock;
 
 /// Whether the contacts of a pair tell of its overlap.
@@ -94,7 +94,7 @@ pub struct PairAudit {
     pub bounded: Option<BoundedOverlap>,
 }
 
-/// An overlap that is certainly rounding ([`Meaning::Rounding`]), not measured.
+/// An overlap that is certainly rounding ([`OverlapSeverity::Rounding`]), not measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundedOverlap {
     /// The blocks, the lower number first.
@@ -213,19 +213,19 @@ impl<'s> Auditor<'s> {
     /// # Panics
     /// When there is no block of one of the numbers.
     pub fn pair(&self, blocks: [usize; 2]) -> PairAudit {
-        self.pair_keeping(blocks, &[])
+        self.pair_with_kept(blocks, &[])
     }
 
     /// As [`Auditor::pair`], where the step before left the contacts `kept` of the pair closed.
     ///
     /// # Panics
     /// When there is no block of one of the numbers.
-    pub fn pair_keeping(&self, blocks: [usize; 2], kept: &[ContactKey]) -> PairAudit {
+    pub fn pair_with_kept(&self, blocks: [usize; 2], kept: &[ContactKey]) -> PairAudit {
         let (overlaps, decider) = self.overlap(blocks);
         PairAudit { decider, overlap: overlaps.then(|| self.measure(blocks, kept)), bounded: None }
     }
 
-    /// As [`Auditor::pair`], where an overlap that certainly means [`Meaning::Rounding`] is bounded and not measured, nor its
+    /// As [`Auditor::pair`], where an overlap that is certainly [`OverlapSeverity::Rounding`] is bounded and not measured, nor its
     /// contacts looked for; `rounding` (m) is the depth that rounded coordinates alone can make ([`rounding_depth`]).
     ///
     /// # Panics
@@ -238,17 +238,17 @@ impl<'s> Auditor<'s> {
     }
 
     /// The overlap of two blocks of which no contact tells, where the step before left the contacts `kept` of the pair closed;
-    /// `None` where they do not overlap or a contact has h < 0. Cheaper than [`Auditor::pair_keeping`], since contacts are asked
+    /// `None` where they do not overlap or a contact has h < 0. Cheaper than [`Auditor::pair_with_kept`], since contacts are asked
     /// before the depth is measured.
     ///
     /// # Panics
     /// When there is no block of one of the numbers.
-    pub fn unseen_keeping(&self, blocks: [usize; 2], kept: &[ContactKey]) -> Option<Overlap> {
+    pub fn unseen_with_kept(&self, blocks: [usize; 2], kept: &[ContactKey]) -> Option<Overlap> {
         if !self.overlap(blocks).0 {
             return None;
         }
         let [a, b] = blocks.map(|k| &self.solids[k]);
-        let contacts = Pair::new(a, b).classify_keeping(self.tolerances, kept).contacts;
+        let contacts = Pair::new(a, b).classify_with_kept(self.tolerances, kept).contacts;
         let is_seen = contacts.iter().any(|contact| contact.gap.is_negative());
         (!is_seen).then(|| self.measured(blocks, None))
     }
@@ -362,7 +362,7 @@ impl<'s> Auditor<'s> {
 
     /// The contact with the most negative gap.
     fn deepest_contact(&self, pair: &Pair<'_>, kept: &[ContactKey]) -> Option<(Contact, Gap)> {
-        let contacts = pair.classify_keeping(self.tolerances, kept).contacts;
+        let contacts = pair.classify_with_kept(self.tolerances, kept).contacts;
         let overlapping = contacts.into_iter().filter(|contact| contact.gap.is_negative());
         let mut deepest: Option<(Contact, Gap)> = None;
         for contact in overlapping {

@@ -2,7 +2,7 @@
 
 use crate::pair::Pair;
 use crate::predicate::Polynomial;
-use crate::sign_ladder::{Margins, SignLadder};
+use crate::sign_cascade::{Margins, SignCascade};
 use crate::view::FloatView;
 use rockproof_model::decision::{Decision, Side};
 use rockproof_model::{Contact, ContactKey, Criteria, EdgeId, Sign, ToleranceSet, VertexId};
@@ -30,14 +30,14 @@ pub(crate) trait Observer {
     /// A decision begins; the signs that follow belong to it.
     fn begin(&mut self, decision: &Decision);
     /// A sign was decided for the decision begun last; `margin` works out how close it is to zero: [`crate::Margin::relative`]. Returns what the
-    /// classification takes it for: what it is, but for a [`crate::Departure`].
+    /// classification takes it for: what it is, but for a [`crate::RuleVariant`].
     fn sign(&mut self, sign: Sign, margin: &mut dyn FnMut() -> f64) -> Sign;
     /// The decision has this answer. Returns what it is taken for, likewise.
     fn end(&mut self, decision: &Decision, yes: bool) -> bool;
     /// The decision comes to this sign, likewise.
     fn end_with_sign(&mut self, decision: &Decision, sign: Sign) -> Sign;
 
-    /// Whether it leaves a contact out: none, but for a [`crate::Departure`].
+    /// Whether it leaves a contact out: none, but for a [`crate::RuleVariant`].
     fn leaves_out(&self, _contact: &Contact) -> bool {
         false
     }
@@ -107,8 +107,8 @@ pub(crate) struct Classification<'p, 's, O> {
     pub(crate) kept: &'p [ContactKey],
     pub(crate) observer: O,
     /// What is farther apart is not in one another's territory, slack included; infinite until it is known.
-    pub(crate) territory_reach: f64,
-    pub(crate) ladder: SignLadder<'p, 's>,
+    pub(crate) territory_distance: f64,
+    pub(crate) cascade: SignCascade<'p, 's>,
 }
 
 impl<'p, 's, O: Observer> Classification<'p, 's, O> {
@@ -119,13 +119,13 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
             classic: tolerances.criteria == Criteria::Classic,
             kept: &[],
             observer,
-            territory_reach: f64::INFINITY,
-            ladder: SignLadder::new(pair, tolerances),
+            territory_distance: f64::INFINITY,
+            cascade: SignCascade::new(pair, tolerances),
         }
     }
 
     /// The same with contacts kept from the step before.
-    pub(crate) fn keeping(self, kept: &'p [ContactKey]) -> Self {
+    pub(crate) fn with_kept(self, kept: &'p [ContactKey]) -> Self {
         Classification { kept, ..self }
     }
 
@@ -173,12 +173,12 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
         if !O::is_active() {
-            return self.ladder.sign(polynomial);
+            return self.cascade.sign(polynomial);
         }
         if let Some(sign) = self.observer.known_sign() {
             return sign;
         }
-        let sign = self.ladder.sign(polynomial);
+        let sign = self.cascade.sign(polynomial);
         // Of a zero the margin is known.
         self.observed(sign, |margins| if sign.is_zero() { 0.0 } else { margins.of(polynomial).1 })
     }
@@ -186,26 +186,26 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     /// The same for a sign that the observer does not see, since by itself it says nothing about the decision.
     #[inline(always)]
     pub(crate) fn unobserved_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
-        self.ladder.sign(polynomial)
+        self.cascade.sign(polynomial)
     }
 
     /// What a sign that the decision under way rests on is taken for, once the observer has seen it and may have asked for
     /// its margin: 0 where it is zero, at most 1.
     pub(crate) fn observed(&mut self, sign: Sign, margin: impl Fn(&Margins<'_, '_>) -> f64) -> Sign {
-        let ladder = &self.ladder;
-        self.observer.sign(sign, &mut || margin(&ladder.margins()))
+        let cascade = &self.cascade;
+        self.observer.sign(sign, &mut || margin(&cascade.margins()))
     }
 
     /// The pair in f64.
     #[inline(always)]
     pub(crate) fn float_view(&self) -> FloatView<'_> {
-        self.ladder.float_view()
+        self.cascade.float_view()
     }
 
-    /// [`SignLadder::bound_of`]
+    /// [`SignCascade::bound_of`]
     #[inline(always)]
     pub(crate) fn bound_of<P: Polynomial>(&self, variant: usize) -> f64 {
-        self.ladder.bound_of::<P>(variant)
+        self.cascade.bound_of::<P>(variant)
     }
 
     /// Whether a feature is convex, as decided when the block was loaded.

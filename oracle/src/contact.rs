@@ -2,13 +2,13 @@
 
 mod certified_reject;
 mod classify;
+mod culling;
 mod edge_edge;
 mod entrance;
 mod exit;
 mod nearby_feature_search;
 mod nearby_features;
 mod no_overlap;
-mod reach;
 mod territory;
 mod vertex_edge;
 mod vertex_face;

@@ -2,7 +2,7 @@
 
 use std::ops::AddAssign;
 
-/// How many signs each level of the ladder decided, cheapest level first. Part of every report.
+/// How many signs each level of the cascade decided, cheapest level first. Part of every report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LevelCounts {
     /// f64 with a bound known beforehand.

@@ -29,4 +29,4 @@ pub(crate) const INFLATION: f64 = 1.0 + 16.0 * f64::EPSILON;
 /// Above any error that gradual underflow adds to one operation (2⁻¹⁰⁷⁵), with room for the bound's own underflow.
 pub(crate) const UNDERFLOW: f64 = f64::MIN_POSITIVE;
 /// The least number above zero: twice what one product may lose to underflow.
-pub(crate) const LEAST: f64 = f64::from_bits(1);
+pub(crate) const SMALLEST_POSITIVE: f64 = f64::from_bits(1);

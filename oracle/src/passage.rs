@@ -62,15 +62,15 @@ pub struct PassageReport {
 }
 
 /// Halvings of the step after which an interval is left undecided.
-const MOST_HALVINGS: u32 = 40;
+const MAX_HALVINGS: u32 = 40;
 
 /// Intervals after which a pair is left undecided, so that the time is bounded where depths stay near g.
-const MOST_INTERVALS: usize = 2_000;
+const MAX_INTERVALS: usize = 2_000;
 
 /// Of pairs with a block that is not convex, intervals of one length with which a pair is left undecided when more are not
 /// certified: where the cover holds more than the block none ever is, and each takes hundreds of times as long as one of two
 /// convex blocks.
-const MOST_OPEN_OF_COVERS: usize = 16;
+const MAX_OPEN_OF_COVERS: usize = 16;
 
 /// The pairs of moving blocks that could meet: their boxes over the whole step do, **touching included**. The lower number
 /// first, in ascending order.
@@ -101,7 +101,7 @@ pub fn passage(a: &StraightMotion<'_>, b: &StraightMotion<'_>, penetration_limit
     // Intervals of length 2^−halvings by the numbers of their starts in that length.
     let mut open = vec![BigInt::from(0)];
     let mut intervals = 1;
-    for halvings in 1..=MOST_HALVINGS {
+    for halvings in 1..=MAX_HALVINGS {
         let mut left = Vec::new();
         for start in open {
             let middle: BigInt = start * 2 + 1;
@@ -116,12 +116,12 @@ pub fn passage(a: &StraightMotion<'_>, b: &StraightMotion<'_>, penetration_limit
                     left.push(start);
                 }
             }
-            if intervals > MOST_INTERVALS {
+            if intervals > MAX_INTERVALS {
                 return report(PassageAnswer::Undecided, intervals);
             }
         }
         open = left;
-        if open.len() > MOST_OPEN_OF_COVERS && !(a.ends()[0].is_convex() && b.ends()[0].is_convex()) {
+        if open.len() > MAX_OPEN_OF_COVERS && !(a.ends()[0].is_convex() && b.ends()[0].is_convex()) {
             return report(PassageAnswer::Undecided, intervals);
         }
         if open.is_empty() {

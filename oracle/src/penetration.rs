@@ -75,7 +75,7 @@ pub fn deepest(blocks: &[&Block]) -> (Option<Deepest>, usize) {
     let directions: Vec<OnceCell<FaceDirections>> = blocks.iter().map(|_| OnceCell::new()).collect();
     for pair in pairs.iter_mut().filter(|pair| pair.blocks.iter().all(|&block| blocks[block].is_convex())) {
         let [a, b] = pair.blocks.map(|block| directions[block].get_or_init(|| FaceDirections::of(blocks[block])));
-        pair.most = pair.most.min(faces::most_depth(a, b));
+        pair.most = pair.most.min(faces::depth_bound(a, b));
     }
     // What is proved to be apart is no overlap.
     pairs.retain(|pair| pair.most > 0.0);

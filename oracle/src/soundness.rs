@@ -1,5 +1,5 @@
 // Longer than 400 lines: every polynomial is asked at every level in one walk.
-//! Tests that no level of the ladder ever proves a wrong sign, on input made to tempt it: near-ties, ties, tiny and huge
+//! Tests that no level of the cascade ever proves a wrong sign, on input made to tempt it: near-ties, ties, tiny and huge
 //! coordinates, far origins, fractions.
 
 use crate::field::Field;
@@ -8,7 +8,7 @@ use crate::number::{Approx, Ball, Bits, Bound, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
 use crate::predicate::*;
 use crate::prepared_block::PreparedBlock;
-use crate::sign_ladder::SignLadder;
+use crate::sign_cascade::SignCascade;
 use crate::unit_bounds::unit_bounds_for;
 use crate::view::{BallView, BitsView, BoundView, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
@@ -178,7 +178,7 @@ struct Seen {
 
 struct Checker<'p, 's> {
     pair: &'p Pair<'s>,
-    run: SignLadder<'p, 's>,
+    run: SignCascade<'p, 's>,
     tolerances: &'p ToleranceSet,
     seen: &'p mut BTreeMap<usize, Seen>,
     /// What a slot holds for a pair: one bound, asked of whichever polynomial comes first.
@@ -245,7 +245,7 @@ impl Visitor for Checker<'_, '_> {
         assert_eq!(self.run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
         // Twice: the second time the bound for all pairs of the size is known.
         for time in 1..=2 {
-            assert_eq!(self.run.sign(p), exact, "the ladder, slot {slot}, time {time}, {about}");
+            assert_eq!(self.run.sign(p), exact, "the cascade, slot {slot}, time {time}, {about}");
         }
         let certain = |value: f64, bound: f64| {
             if value > bound {
@@ -419,7 +419,7 @@ fn prove_no_wrong_sign(rounds: usize) {
         let about = format!("round {round}, {input:?}");
         levels += Checker {
             pair: &pair,
-            run: SignLadder::new(&pair, &t),
+            run: SignCascade::new(&pair, &t),
             tolerances: &t,
             seen: &mut seen,
             pair_bounds: BTreeMap::new(),

@@ -1,14 +1,15 @@
 //! One step of SPEC section 5, exactly, as `docs/step.md` reads it: every decision of the open–close iteration is proved.
 //!
 //! A step is calculated in f64 balls first. A mode that these do not settle is asked of balls of two f64, of 128 and 256
-//! bits, then of fractions, then of 512 and 1,024 bits (`ladder`); what even these leave open is counted as undecided and
+//! bits, then of fractions, then of 512 and 1,024 bits (`cascade`); what even these leave open is counted as undecided and
 //! changes nothing. Fractions fail only where a friction force or a length in the question is irrational, or where an island has more than
-//! `ladder::EXACT_UNKNOWNS` unknowns.
+//! `cascade::EXACT_UNKNOWNS` unknowns.
 
 mod answer;
 mod approximate;
 mod attempt;
 mod attempt_state;
+mod cascade;
 mod contact;
 mod decisions;
 mod frame;
@@ -16,7 +17,6 @@ mod friction;
 mod islands;
 mod iterate;
 mod iteration;
-mod ladder;
 mod margin;
 mod prepare;
 mod run;
@@ -30,7 +30,7 @@ pub use answer::{
     CertifiedStep, EnclosedStep, FailedAttempt, GapChange, IterationEnd, RetryReason, SLIPPING_SOLVES, StepAnswer,
     StepFailure, StepModel, UNCHANGED_SOLVES,
 };
-pub use ladder::StepLevels;
+pub use cascade::StepLevelCounts;
 pub use margin::{ModeMargin, friction_margins, mode_margins};
 pub use run::{certified_step, enclosed_step, exact_step, first_system};
 pub use state::{BlockState, ContactMemory, KeptPrecision, Mode, State};

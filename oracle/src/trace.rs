@@ -35,16 +35,16 @@ pub struct Margin {
 impl Pair<'_> {
     /// All decisions of [`Pair::classify`] in the order made, each once.
     pub fn trace(&self, tolerances: &ToleranceSet) -> Vec<TraceEntry> {
-        self.trace_keeping(tolerances, &[])
+        self.trace_with_kept(tolerances, &[])
     }
 
-    /// All decisions of [`Pair::classify_keeping`], likewise.
-    pub fn trace_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<TraceEntry> {
+    /// All decisions of [`Pair::classify_with_kept`], likewise.
+    pub fn trace_with_kept(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<TraceEntry> {
         self.recording(tolerances, kept).entries.clone()
     }
 
-    /// What came of each decision of [`Pair::trace_keeping`], and where each is in that list.
-    pub fn outcomes_keeping(
+    /// What came of each decision of [`Pair::trace_with_kept`], and where each is in that list.
+    pub fn outcomes_with_kept(
         &self,
         tolerances: &ToleranceSet,
         kept: &[ContactKey],
@@ -57,11 +57,11 @@ impl Pair<'_> {
     /// The exact margins of several decisions, for the price of the margins themselves once [`Pair::trace`] was asked under the same
     /// tolerances; `None` for one that [`Pair::classify`] does not come to make, or that asks no sign of its own.
     pub fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<Margin>> {
-        self.margins_keeping(tolerances, &[], decisions)
+        self.margins_with_kept(tolerances, &[], decisions)
     }
 
-    /// The exact margins of decisions of [`Pair::classify_keeping`].
-    pub fn margins_keeping(
+    /// The exact margins of decisions of [`Pair::classify_with_kept`].
+    pub fn margins_with_kept(
         &self,
         tolerances: &ToleranceSet,
         kept: &[ContactKey],
@@ -70,7 +70,7 @@ impl Pair<'_> {
         let recording = self.recording(tolerances, kept);
         let mut replay = Replay::new(&recording, decisions);
         let observer: &mut dyn Observer = &mut replay;
-        Classification::new(self, tolerances, observer).keeping(kept).classify();
+        Classification::new(self, tolerances, observer).with_kept(kept).classify();
         replay.margins
     }
 
@@ -80,7 +80,7 @@ impl Pair<'_> {
         let at = known(&self.recordings).unwrap_or_else(|| {
             let mut recorder = Recorder { entries: Vec::with_capacity(512), ..Recorder::default() };
             let observer: &mut dyn Observer = &mut recorder;
-            Classification::new(self, tolerances, observer).keeping(kept).classify();
+            Classification::new(self, tolerances, observer).with_kept(kept).classify();
             self.recordings.add(tolerances, kept, recorder.into_recording())
         });
         Ref::map(self.recordings.made.borrow(), |made| &made[at].2)

@@ -11,7 +11,9 @@ use rockproof_model::preset::{Preset, derive};
 use rockproof_model::scene::Scene;
 use rockproof_model::{Block, ContactKey, FaceId, Number, Precision, ToleranceSet, Vec3, VertexId};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Audit, Auditor, Decider, Meaning, Overlap, OverlapVisibility, audit, rounding_depth};
+use rockproof_oracle::audit::{
+    Audit, Auditor, Decider, Overlap, OverlapSeverity, OverlapVisibility, audit, rounding_depth,
+};
 use support::random_numbers::Random;
 use support::shapes::{block, cuboid, exact, number, plus_sign, point, revised, slab, step, tetrahedron, turned};
 
@@ -215,15 +217,15 @@ fn what_an_overlap_means_depends_on_depth_and_sight() {
     let found = |depth: &str| overlap_of(&slab(), &on_slab(depth), &revised(&[("penetration", "1/50")])).unwrap();
     let (seen, lost) = (found("-1/1000"), found("-1/20"));
     // Exactly as deep as rounding makes it is rounding.
-    let meaning = |overlap: &Overlap, rounding: &str| overlap.meaning(&number(rounding));
-    assert_eq!(meaning(&seen, "1/1000"), Meaning::Rounding);
-    assert_eq!(meaning(&seen, "999/1000000"), Meaning::Held);
-    assert!(meaning(&lost, "1/1000") == Meaning::Lost && lost.is_unseen(&number("1/1000")));
+    let severity = |overlap: &Overlap, rounding: &str| overlap.severity(&number(rounding));
+    assert_eq!(severity(&seen, "1/1000"), OverlapSeverity::Rounding);
+    assert_eq!(severity(&seen, "999/1000000"), OverlapSeverity::Held);
+    assert!(severity(&lost, "1/1000") == OverlapSeverity::Lost && lost.is_unseen(&number("1/1000")));
     // As deep and seen, as a contact kept closed makes it: lost for a model, held in a run.
     let kept = Overlap { sight: OverlapVisibility::Seen, ..lost };
-    assert!(meaning(&kept, "1/1000") == Meaning::Lost && !kept.is_unseen(&number("1/1000")));
+    assert!(severity(&kept, "1/1000") == OverlapSeverity::Lost && !kept.is_unseen(&number("1/1000")));
     let unseen = Overlap { sight: OverlapVisibility::Unseen, ..seen };
-    assert!(meaning(&unseen, "999/1000000") == Meaning::Lost && unseen.is_unseen(&number("999/1000000")));
+    assert!(severity(&unseen, "999/1000000") == OverlapSeverity::Lost && unseen.is_unseen(&number("999/1000000")));
     assert!(!unseen.is_unseen(&number("1/1000")));
     // 2⁸·2⁻⁵²·4 m
     assert_eq!(rounding_depth(&[&slab(), &unit()], Precision::F64), Number::from_f64(2f64.powi(-42)).unwrap());
@@ -332,7 +334,7 @@ fn what_no_contact_sees_is_the_same_whether_depth_or_contacts_are_asked_first() 
             seen += usize::from(audited.as_ref().is_some_and(|o| o.sight != OverlapVisibility::Unseen));
             let expected = audited.filter(|overlap| overlap.sight == OverlapVisibility::Unseen);
             unseen += usize::from(expected.is_some());
-            assert_eq!(auditor.unseen_keeping(pair, &[]), expected, "{pair:?}");
+            assert_eq!(auditor.unseen_with_kept(pair, &[]), expected, "{pair:?}");
         }
     }
     assert!(unseen >= 19 && seen > 0, "{unseen} unseen, {seen} seen");

@@ -6,7 +6,7 @@ mod support;
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Precision, Vec3};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Auditor, BoundedOverlap, Meaning, PairAudit, rounding_depth};
+use rockproof_oracle::audit::{Auditor, BoundedOverlap, OverlapSeverity, PairAudit, rounding_depth};
 use support::shapes::{cuboid, extruded, number, plus_sign, revised, step, tetrahedron};
 
 /// Numbers below a limit, always the same ones.
@@ -107,17 +107,17 @@ fn bound_and_measure(count: usize) {
         let Some(BoundedOverlap { blocks: numbers, most_m }) = found else {
             assert_eq!(overlap, exactly.overlap);
             let is_convex = blocks.iter().all(Block::is_convex);
-            match overlap.map(|overlap| overlap.meaning(&limit)) {
+            match overlap.map(|overlap| overlap.severity(&limit)) {
                 None => apart += 1,
-                Some(Meaning::Rounding) if is_convex => rounding += 1,
-                Some(Meaning::Rounding) => concave += 1,
+                Some(OverlapSeverity::Rounding) if is_convex => rounding += 1,
+                Some(OverlapSeverity::Rounding) => concave += 1,
                 Some(_) => deep += 1,
             }
             continue;
         };
         assert!(overlap.is_none() && numbers == [0, 1]);
         let overlap = exactly.overlap.expect("what is bounded overlaps");
-        assert_eq!(overlap.meaning(&limit), Meaning::Rounding, "{overlap:?}");
+        assert_eq!(overlap.severity(&limit), OverlapSeverity::Rounding, "{overlap:?}");
         let most = BigRational::from_float(most_m).unwrap();
         assert!(overlap.depth_squared() <= &most * &most, "{most_m} {overlap:?}");
         bounded += 1;

@@ -20,7 +20,7 @@ fn every_hand_worked_pair_comes_out() {
         let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let pair = Pair::new(&a, &b);
         let found: Vec<_> = pair
-            .classify_keeping(&case.tolerances, &case.kept)
+            .classify_with_kept(&case.tolerances, &case.kept)
             .contacts
             .into_iter()
             .map(|contact| (contact, pair.gap(&contact.entrance).squared))
@@ -37,11 +37,12 @@ fn decisions_agree_with_the_plain_path() {
     let (mut compared, mut inside) = (0, [0; 2]);
     for case in handworked::cases() {
         let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
-        let plain: BTreeMap<_, _> = plain::trace_keeping::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept)
-            .into_iter()
-            .map(|(decision, outcome, tie)| (decision, (outcome, tie)))
-            .collect();
-        for entry in Pair::new(&a, &b).trace_keeping(&case.tolerances, &case.kept) {
+        let plain: BTreeMap<_, _> =
+            plain::trace_with_kept::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept)
+                .into_iter()
+                .map(|(decision, outcome, tie)| (decision, (outcome, tie)))
+                .collect();
+        for entry in Pair::new(&a, &b).trace_with_kept(&case.tolerances, &case.kept) {
             if let Some(&(outcome, tie)) = plain.get(&entry.decision) {
                 assert_eq!(entry.outcome, outcome, "{}: {}", case.name, entry.decision);
                 // Both call it a tie where the projection is on the boundary, and nowhere else.
@@ -63,9 +64,9 @@ fn margins_are_zero_exactly_at_ties() {
     for case in handworked::cases() {
         let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let pair = Pair::new(&a, &b);
-        let trace = pair.trace_keeping(&case.tolerances, &case.kept);
+        let trace = pair.trace_with_kept(&case.tolerances, &case.kept);
         let decisions: Vec<_> = trace.iter().map(|entry| entry.decision).collect();
-        for (entry, margin) in trace.iter().zip(pair.margins_keeping(&case.tolerances, &case.kept, &decisions)) {
+        for (entry, margin) in trace.iter().zip(pair.margins_with_kept(&case.tolerances, &case.kept, &decisions)) {
             let Some(margin) = margin else { continue };
             assert!((0.0..=1.0).contains(&margin.relative), "{}: {}", case.name, entry.decision);
             if entry.decision.predicate == Predicate::InsideFace {

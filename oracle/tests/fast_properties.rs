@@ -15,13 +15,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use support::random::{blocks, kept_choice, tolerances};
 
 fn plainly(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<(Contact, BigRational)> {
-    plain::classify_keeping(a, b, t, kept).into_iter().map(|f| (f.contact, f.gap_squared)).collect()
+    plain::classify_with_kept(a, b, t, kept).into_iter().map(|f| (f.contact, f.gap_squared)).collect()
 }
 
 fn fast(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<(Contact, BigRational)> {
     let (a, b) = (PreparedBlock::new(a), PreparedBlock::new(b));
     let pair = Pair::new(&a, &b);
-    let contacts = pair.classify_keeping(t, kept).contacts;
+    let contacts = pair.classify_with_kept(t, kept).contacts;
     contacts.into_iter().map(|contact| (contact, pair.gap(&contact.entrance).squared)).collect()
 }
 
@@ -38,12 +38,12 @@ proptest! {
     #[test]
     fn the_recording_path_finds_the_same_contacts((a, b) in blocks(), t in tolerances(), choice in kept_choice()) {
         let kept = choice.of(&a, &b, &t);
-        let plain: BTreeMap<_, _> = plain::trace_keeping::<BigRational>(&a, &b, &t, &kept)
+        let plain: BTreeMap<_, _> = plain::trace_with_kept::<BigRational>(&a, &b, &t, &kept)
             .into_iter()
             .map(|(decision, outcome, tie)| (decision, (outcome, tie)))
             .collect();
         let (a, b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
-        let trace = Pair::new(&a, &b).trace_keeping(&t, &kept);
+        let trace = Pair::new(&a, &b).trace_with_kept(&t, &kept);
         for entry in &trace {
             if let Some(&(outcome, tie)) = plain.get(&entry.decision) {
                 prop_assert_eq!(entry.outcome, outcome, "{}", entry.decision);

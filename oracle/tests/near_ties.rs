@@ -112,8 +112,8 @@ fn agree_beside_ties(rounds: u64) {
             let (solid_a, solid_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
             let pair = Pair::new(&solid_a, &solid_b);
             let kept = if round % 2 == 0 { case.kept.as_slice() } else { &[] };
-            let answer = pair.classify_keeping(&tolerances, kept);
-            let plainly: Vec<_> = plain::classify_keeping::<BigRational>(&a, &b, &tolerances, kept)
+            let answer = pair.classify_with_kept(&tolerances, kept);
+            let plainly: Vec<_> = plain::classify_with_kept::<BigRational>(&a, &b, &tolerances, kept)
                 .into_iter()
                 .map(|found| found.contact)
                 .collect();

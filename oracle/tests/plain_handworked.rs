@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use support::handworked::{Case, cases};
 
 fn found<Q: Rational>(case: &Case) -> Vec<(Contact, BigRational)> {
-    plain::classify_keeping::<Q>(&case.a, &case.b, &case.tolerances, &case.kept)
+    plain::classify_with_kept::<Q>(&case.a, &case.b, &case.tolerances, &case.kept)
         .iter()
         .map(|f| (f.contact, f.gap_squared.to_big_rational()))
         .collect()
@@ -66,7 +66,7 @@ fn swapping_swaps_the_contacts() {
     const ORDERED: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::ShortestExit, Predicate::OneExit];
     let mut compared = 0;
     for case in cases().iter().filter(|case| case.tolerances.equal.is_zero()) {
-        let trace = plain::trace_keeping::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept);
+        let trace = plain::trace_with_kept::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept);
         if trace.iter().any(|(decision, _, tie)| *tie && ORDERED.contains(&decision.predicate)) {
             continue;
         }
@@ -74,7 +74,7 @@ fn swapping_swaps_the_contacts() {
         expected.iter_mut().for_each(|(contact, _)| *contact = contact.swapped());
         expected.sort_by_key(|(contact, _)| *contact);
         let kept: Vec<_> = case.kept.iter().copied().map(ContactKey::swapped).collect();
-        let exchanged: Vec<_> = plain::classify_keeping::<BigRational>(&case.b, &case.a, &case.tolerances, &kept)
+        let exchanged: Vec<_> = plain::classify_with_kept::<BigRational>(&case.b, &case.a, &case.tolerances, &kept)
             .into_iter()
             .map(|f| (f.contact, f.gap_squared))
             .collect();
@@ -88,7 +88,7 @@ fn swapping_swaps_the_contacts() {
 #[test]
 fn the_trace_agrees_with_the_contacts() {
     for case in cases() {
-        let trace = plain::trace_keeping::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept);
+        let trace = plain::trace_with_kept::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept);
         let decisions: BTreeMap<_, _> =
             trace.iter().map(|(decision, outcome, tie)| (*decision, (*outcome, *tie))).collect();
         assert_eq!(decisions.len(), trace.len(), "{}", case.name);
@@ -107,7 +107,7 @@ fn every_predicate_is_seen_to_say_no_to_say_yes_and_to_tie() {
     let mut seen: BTreeMap<Predicate, BTreeSet<&str>> = BTreeMap::new();
     for case in cases() {
         for (decision, outcome, tie) in
-            plain::trace_keeping::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept)
+            plain::trace_with_kept::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept)
         {
             let what = match (tie, outcome) {
                 (true, _) => "tie",
@@ -150,7 +150,7 @@ fn what_rests_on_a_tie_is_a_tie() {
     ] {
         let case = cases().into_iter().find(|case| case.name == name).unwrap();
         let asked = Decision::about(predicate, &features);
-        let trace = plain::trace_keeping::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept);
+        let trace = plain::trace_with_kept::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept);
         let tie = trace.iter().find(|(decision, ..)| *decision == asked).map(|(_, _, tie)| *tie);
         assert_eq!(tie, Some(true), "{name}: {why}");
     }

@@ -19,14 +19,16 @@ fn classified(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<ExactContact<BigRat
     plain::classify(a, b, t)
 }
 
-fn keeping(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<ExactContact<BigRational>> {
-    plain::classify_keeping(a, b, t, kept)
+fn with_kept(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<ExactContact<BigRational>> {
+    plain::classify_with_kept(a, b, t, kept)
 }
 
 /// Whether a choice between planes or contacts hung on an exact tie, which the order of features then decides.
 fn chose_by_order(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> bool {
     const ORDERED: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::ShortestExit, Predicate::OneExit];
-    plain::trace_keeping::<BigRational>(a, b, t, kept).iter().any(|(d, _, tie)| *tie && ORDERED.contains(&d.predicate))
+    plain::trace_with_kept::<BigRational>(a, b, t, kept)
+        .iter()
+        .any(|(d, _, tie)| *tie && ORDERED.contains(&d.predicate))
 }
 
 fn scaled(block: &Block, factor: &Number) -> Block {
@@ -41,25 +43,25 @@ proptest! {
         let kept = choice.of(&a, &b, &t);
         prop_assume!(!chose_by_order(&a, &b, &t, &kept));
         let mut expected: Vec<_> =
-            keeping(&a, &b, &t, &kept).into_iter().map(|f| (f.contact.swapped(), f.gap_squared)).collect();
+            with_kept(&a, &b, &t, &kept).into_iter().map(|f| (f.contact.swapped(), f.gap_squared)).collect();
         expected.sort_by_key(|(contact, _)| *contact);
         let kept: Vec<_> = kept.into_iter().map(ContactKey::swapped).collect();
-        let found: Vec<_> = keeping(&b, &a, &t, &kept).into_iter().map(|f| (f.contact, f.gap_squared)).collect();
+        let found: Vec<_> = with_kept(&b, &a, &t, &kept).into_iter().map(|f| (f.contact, f.gap_squared)).collect();
         prop_assert_eq!(found, expected);
     }
 
     #[test]
     fn moving_and_scaling_change_lengths_only((a, b) in blocks(), t in tolerances(), choice in kept_choice()) {
         let kept = choice.of(&a, &b, &t);
-        let expected = keeping(&a, &b, &t, &kept);
+        let expected = with_kept(&a, &b, &t, &kept);
         let offset = point(["1/3", "-12345/7", "1/1000000007"]);
-        prop_assert_eq!(&keeping(&a.translated(&offset), &b.translated(&offset), &t, &kept), &expected);
+        prop_assert_eq!(&with_kept(&a.translated(&offset), &b.translated(&offset), &t, &kept), &expected);
         let factor = number("7/3");
         let mut longer = t.clone();
         longer.search = t.search.times(&factor);
         longer.territory = t.territory.times(&factor);
         longer.penetration = t.penetration.times(&factor);
-        let found = keeping(&scaled(&a, &factor), &scaled(&b, &factor), &longer, &kept);
+        let found = with_kept(&scaled(&a, &factor), &scaled(&b, &factor), &longer, &kept);
         let area = exact("49/9");
         let expected: Vec<_> =
             expected.into_iter().map(|f| ExactContact { gap_squared: f.gap_squared * &area, ..f }).collect();
@@ -69,7 +71,7 @@ proptest! {
     #[test]
     fn contacts_are_sorted_and_within_reach((a, b) in blocks(), t in tolerances(), choice in kept_choice()) {
         let kept = choice.of(&a, &b, &t);
-        let found = keeping(&a, &b, &t, &kept);
+        let found = with_kept(&a, &b, &t, &kept);
         prop_assert!(found.is_sorted_by(|f, g| f.contact < g.contact));
         let (s, g) = (t.search.to_rational(), t.penetration.to_rational());
         for f in found {

@@ -18,7 +18,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Fewer would be too few.
-const LEAST: usize = 60;
+const MIN_MISTAKES: usize = 60;
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/validation.md");
 const BEGIN: &str = "<!-- oracle mistakes: begin -->\n";
@@ -29,7 +29,7 @@ fn every_mistake_has_its_place_in_the_sources() {
     let mistakes = mistakes();
     let names: BTreeSet<&str> = mistakes.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names.len(), mistakes.len(), "two mistakes have one name");
-    assert!(mistakes.len() >= LEAST, "{} mistakes", mistakes.len());
+    assert!(mistakes.len() >= MIN_MISTAKES, "{} mistakes", mistakes.len());
     // Panics where a text does not occur, occurs twice, or two overlap.
     let changed = copy::changed_sources(&mistakes);
     assert!(changed.values().all(|text| text.contains("crate::planted::number()")));

@@ -67,5 +67,5 @@ impl Job for Campaign {
 
 /// What is to be done, and how it is answered here.
 fn work_of(prepared: &Prepared) -> anyhow::Result<(Map<String, Value>, Machine)> {
-    Ok((prepared.identity.clone(), Machine::here(&*prepared.source)?))
+    Ok((prepared.identity.clone(), Machine::current(&*prepared.source)?))
 }

@@ -9,7 +9,7 @@ use mpi::Threading;
 use mpi::point_to_point::{MatchedReceiveVec, Source};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, Destination};
-use rockproof_campaign::distribute::ranks::dismiss;
+use rockproof_campaign::distribute::ranks::end_workers;
 use rockproof_campaign::distribute::{Introduction, Transport};
 use rockproof_campaign::part::Machine;
 use serde_json::{Map, Value};
@@ -44,7 +44,7 @@ pub(crate) fn on_all_ranks(job: &dyn Job) -> Outcome {
         (1, _) => job.alone(),
         (_, 0) => {
             let outcome = job.lead(&mut ranks);
-            dismiss(&mut ranks)?;
+            end_workers(&mut ranks)?;
             outcome
         }
         (_, _) => job.work(&mut ranks),

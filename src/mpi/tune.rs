@@ -50,5 +50,5 @@ impl Job for Tune {
 /// What is to be searched, and how the first pairs of a campaign are answered here.
 fn work_of(prepared: &Prepared) -> anyhow::Result<(Map<String, Value>, Machine)> {
     let source = source::of(&CampaignConfig::default())?;
-    Ok((prepared.identity.clone(), Machine::here(&source)?))
+    Ok((prepared.identity.clone(), Machine::current(&source)?))
 }

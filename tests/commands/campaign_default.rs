@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_campaign::directed::CHOSEN;
+use rockproof_campaign::directed::FACE_CHOICES;
 use rockproof_campaign::families;
 use rockproof_campaign::pairs::{PairCase, PairForm};
 use rockproof_campaign::source::{self, FamilySource};
@@ -124,7 +124,7 @@ impl Seen {
         }
         let PairForm::Directed { decision, rung } = &case.form else { return };
         // Of two faces chosen between, a third may be the better way in, and then the choice is not between the two.
-        let chosen = CHOSEN.contains(&decision.predicate) || decision.predicate == Predicate::EntranceDepth;
+        let chosen = FACE_CHOICES.contains(&decision.predicate) || decision.predicate == Predicate::EntranceDepth;
         let (Some(margin), false) = (case.margin, chosen) else { return };
         let aims = self.aims.entry(decision.predicate).or_default();
         aims[0] += 1;

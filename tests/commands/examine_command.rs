@@ -37,7 +37,7 @@ velocity = [50, 0, 0]
 "#;
 
 /// Two cubes on a floor a kilometre from the origin, 10 µm apart: less than f32 resolves there.
-const FAR: &str = r#"
+const FAR_FROM_TIE: &str = r#"
 [[block]]
 fixed = true
 box = { min = [999, -1, -1], max = [1003, 3, 0] }
@@ -197,7 +197,7 @@ fn no_set_is_recommended_with_which_a_safe_model_is_not_safe() {
     let (code, out, err) = place.run(&["examine", "wall.toml", "--out", "found"]);
     assert!(code == 0 && out.starts_with("safe: "), "{out}{err}");
     let set = out.lines().find(|line| line.contains(" set ")).expect("a line about the set");
-    assert!(set.contains("with which the model itself does no better"), "{out}");
+    assert!(set.contains("with which the whole model does no better"), "{out}");
     // Whatever is written as the set to use is safe, here the set given.
     let (code, out, err) =
         place.run(&["examine", "wall.toml", "--tolerances", "found/tolerances.toml", "--no-tune", "--out", "again"]);
@@ -227,7 +227,7 @@ fn pairs_that_pass_through_one_another_are_named() {
 #[test]
 fn differences_far_from_the_origin_are_kept_as_cases() {
     let place = Place::new();
-    place.file("far.toml", FAR);
+    place.file("far.toml", FAR_FROM_TIE);
     let (code, out, err) = place.run(&["examine", "far.toml", "--no-tune", "--out", "found"]);
     assert!(code == 0 || code == 1, "{err}");
     let document = document_of(&place, "found");

@@ -1,13 +1,13 @@
 //! Pins `simulate --lockstep`, `--free` and `--engine exact`: their tables are the documented ones, a run taken up again gives the
 //! same bytes, state files replay, and exact runs are exact.
 
-use assert_cmd::cargo::cargo_bin_cmd;
+use crate::place::Place;
 use rockproof_differential::lockstep::{free, table};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A slider whose numbers f32 does not hold.
-const SLIDER: &str = r#"
+pub(crate) const SLIDER: &str = r#"
 [simulation]
 gravity = [-6.1, 0, -8.1]
 time_step = 0.01
@@ -35,41 +35,29 @@ block = "slider"
 at = [0.6, 0.6, 0.5]
 "#;
 
-struct WorkDir(tempfile::TempDir);
+struct WorkDir(Place);
 
 impl WorkDir {
     fn new() -> WorkDir {
-        let place = WorkDir(tempfile::tempdir().expect("a directory"));
-        fs::write(place.path("slider.toml"), SLIDER).expect("write");
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        let place = Place::new();
+        place.file("slider.toml", SLIDER);
+        WorkDir(place)
     }
 
     /// Runs `simulate` into a directory; its exit code and what it printed.
     fn simulate(&self, out: &str, arguments: &[&str]) -> (i32, String) {
-        let mut command = cargo_bin_cmd!();
-        command.current_dir(self.0.path()).args(["simulate", "slider.toml", "--out", out]).args(arguments);
-        let output = command.output().expect("a run");
-        let said = [output.stdout, output.stderr].concat();
-        (output.status.code().expect("an exit code"), String::from_utf8_lossy(&said).into_owned())
+        let (code, out, err) = self.0.run(&[&["simulate", "slider.toml", "--out", out], arguments].concat());
+        (code, out + &err)
     }
 
-    fn replay(&self, file: &Path) -> (i32, String) {
-        let output = cargo_bin_cmd!().arg("replay").arg(file).output().expect("a replay");
-        let said = [output.stdout, output.stderr].concat();
-        (output.status.code().expect("an exit code"), String::from_utf8_lossy(&said).into_owned())
+    fn replay(&self, file: &str) -> (i32, String) {
+        let (code, out, err) = self.0.run(&["replay", file]);
+        (code, out + &err)
     }
 
     fn rows(&self, name: &str) -> Vec<Vec<String>> {
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_path(self.path(name)).expect("a table");
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_path(self.0.path(name)).expect("a table");
         reader.records().map(|row| row.expect("a row").iter().map(str::to_owned).collect()).collect()
-    }
-
-    fn bytes(&self, name: &str) -> Vec<u8> {
-        fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 }
 
@@ -101,7 +89,7 @@ fn lockstep_writes_the_documented_tables_and_goes_on_to_the_same_bytes() {
     let rest = [&asked[..], &["--resume", "--steps", "4"]].concat();
     assert_eq!(place.simulate("parts", &rest).0, 0);
     for name in ["lockstep.csv", "differences.csv", "steps.csv"] {
-        assert_eq!(place.bytes(&format!("parts/{name}")), place.bytes(&format!("whole/{name}")), "{name}");
+        assert_eq!(place.0.read(&format!("parts/{name}")), place.0.read(&format!("whole/{name}")), "{name}");
     }
     // Without --lockstep it is another run.
     assert_eq!(place.simulate("parts", &["--engine", "f32", "--resume"]).0, 2);
@@ -114,23 +102,23 @@ fn state_files_replay() {
     let edge =
         SLIDER.replace("min = [0.1, 0.1, 0], max = [1.1, 1.1, 1]", "min = [3.002, 0.1, 0], max = [4.002, 1.1, 1]");
     assert_ne!(edge, SLIDER);
-    fs::write(place.path("slider.toml"), edge.replace("at = [0.6", "at = [3.5")).expect("write");
+    place.0.file("slider.toml", &edge.replace("at = [0.6", "at = [3.5"));
     let (code, said) = place.simulate("run", &["--engine", "f32", "--lockstep"]);
     assert_eq!(code, 0, "{said}");
     let differences = place.rows("run/differences.csv");
     let named = differences[1..].iter().map(|row| row[17].clone()).find(|name| !name.is_empty());
     let name = named.unwrap_or_else(|| panic!("no state file in {differences:?}"));
-    let file = place.path("run/states").join(&name);
+    let file = format!("run/states/{name}");
     let (code, said) = place.replay(&file);
     assert_eq!(code, 0, "{said}");
     assert!(said.contains("oracle") && said.contains("stepper"), "{said}");
 
-    let text = fs::read_to_string(&file).expect("a state file");
-    fs::write(&file, text.replacen("\"converged\": true", "\"converged\": false", 1)).expect("write");
+    let text = place.0.read(&file);
+    place.0.file(&file, &text.replacen("\"converged\": true", "\"converged\": false", 1));
     let (code, said) = place.replay(&file);
     assert_eq!(code, 1, "{said}");
     for broken in [text.replacen("rockproof-step-1", "rockproof-step-9", 1), text[..40].to_owned()] {
-        fs::write(&file, broken).expect("write");
+        place.0.file(&file, &broken);
         let (code, said) = place.replay(&file);
         assert_eq!(code, 2, "{said}");
         assert!(said.contains(&name), "{said}");

@@ -10,7 +10,7 @@ use rockproof_results::Start;
 use rockproof_stepper::engine::EngineError;
 use rockproof_validation::self_comparison::paths::{BuiltIn, Paths, Question};
 use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord};
-use rockproof_validation::self_comparison::run::{Comparison, Seen};
+use rockproof_validation::self_comparison::run::{Comparison, ProgressCounts};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -113,7 +113,7 @@ fn mistaken_comparison(dir: &Path) {
     let config = PairConfig::default();
     let mut record = record(dir);
     let comparison = Comparison { paths: &Loses, config: &config, threads: 1 };
-    comparison.run(&mut record, &AtomicBool::new(false), &Seen::default()).expect("runs");
+    comparison.run(&mut record, &AtomicBool::new(false), &ProgressCounts::default()).expect("runs");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! terminal, a runner or a spreadsheet, no device is read to its end, and no file outside a run is opened.
 
 use crate::gates::gate;
+use crate::lockstep_cli::SLIDER;
 use crate::place::rockproof_in;
 use assert_cmd::Command;
 use std::fs;
@@ -60,40 +61,13 @@ fn cases_are_checked_as_scenes_are() {
     assert!(!out.contains('\u{1b}'), "{out:?}");
 }
 
-/// A lockstep run that leaves a state file, and the scene's measured point with a name that is a formula.
-const SLIDER: &str = r#"
-[simulation]
-gravity = [-6.1, 0, -8.1]
-time_step = 0.01
-steps = 2
-
-[tolerances]
-preset = "auto"
-
-[[joint]]
-friction = 0.3
-normal_stiffness = 1e8
-
-[[block]]
-name = "incline"
-fixed = true
-box = { min = [-12, -2, -1], max = [4, 3, 0] }
-
-[[block]]
-name = "slider"
-box = { min = [0.1, 0.1, 0], max = [1.1, 1.1, 1] }
-
-[[measured_point]]
-name = "=1+1"
-block = "slider"
-at = [0.6, 0.6, 0.5]
-"#;
-
 #[test]
 fn state_files_are_checked_and_open_no_other_file() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
-    fs::write(dir.join("slider.toml"), SLIDER).expect("write");
+    // A lockstep run that leaves a state file, and the scene's measured point with a name that is a formula.
+    let scene = change(&change(SLIDER, "steps = 4", "steps = 2"), "\"centre\"", "\"=1+1\"");
+    fs::write(dir.join("slider.toml"), scene).expect("write");
     let (code, out, err) =
         rockproof_in(dir, &["simulate", "slider.toml", "--engine", "f32", "--lockstep", "--out", "run"]);
     assert_eq!(code, 0, "{out}{err}");

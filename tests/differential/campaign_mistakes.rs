@@ -26,7 +26,7 @@ const FULL_PAIRS: u64 = 65_536;
 const UNPERTURBED: u64 = 8_192;
 
 /// How many mistakes may be left to them.
-const MOST_LEFT: usize = 8;
+const MAX_LEFT: usize = 8;
 
 /// Mistakes whose ties no campaign has been seen to reach in a pair where they change a contact: hand-worked pairs hold them
 /// (`crates/stepper/tests/contacts/`).
@@ -157,7 +157,7 @@ fn campaigns_find_every_mistake_at_full_size() {
     let mut list = sought_in(FULL_PAIRS);
     let ties = missed(&list);
     // What shows at one rare tie only is looked for where ties are many.
-    assert!(ties.len() <= MOST_LEFT, "in {FULL_PAIRS} pairs too few are found; missed are {ties:#?}");
+    assert!(ties.len() <= MAX_LEFT, "in {FULL_PAIRS} pairs too few are found; missed are {ties:#?}");
     search(&mut list, &default_source().unperturbed(), UNPERTURBED);
     for mistake in list.iter().filter(|m| ties.contains(&m.name)) {
         if let Some((index, f)) = &mistake.found {

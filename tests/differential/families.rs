@@ -6,7 +6,7 @@ mod margin;
 use margin::{margin, points};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rockproof_campaign::directed::{CHOSEN, MOVED, Rung};
+use rockproof_campaign::directed::{FACE_CHOICES, MOVED, Rung};
 use rockproof_campaign::families::{self, Family};
 use rockproof_campaign::ladder::TOLERANCES;
 use rockproof_campaign::pairs::{BATCH, PairCase, PairConfig, PairForm, SetSource, batch};
@@ -121,7 +121,7 @@ fn aims_hit_and_ladders_turn_where_they_say() {
     }
     assert!(wrong.is_empty(), "{} wrong, first {:#?}", wrong.len(), &wrong[..wrong.len().min(12)]);
     let enough = |h: Option<&Hits>, ties: u32| h.is_some_and(|h| h.ties >= ties && h.below >= 5 && h.above >= 5);
-    for predicate in MOVED.iter().chain(&CHOSEN) {
+    for predicate in MOVED.iter().chain(&FACE_CHOICES) {
         assert!(enough(by_predicate.get(predicate), 10), "{predicate}");
     }
     // Most sines are irrational: ties are rarer there, near-ties are not.
@@ -154,7 +154,7 @@ fn ties_that_f32_holds_are_frequent() {
     for (predicate, count) in &held {
         println!("{:20} {count:5}", predicate.name());
     }
-    for predicate in MOVED.iter().chain(&CHOSEN) {
+    for predicate in MOVED.iter().chain(&FACE_CHOICES) {
         assert!(held.contains_key(predicate), "{predicate}: {held:?}");
     }
 }

@@ -3,7 +3,7 @@
 
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::answer::{StepDecisions, compare};
-use rockproof_differential::lockstep::run::KEEP;
+use rockproof_differential::lockstep::run::KEPT_PRECISION;
 use rockproof_differential::lockstep::scene::ExactScene;
 use rockproof_differential::lockstep::state::{converted, exact_state};
 use rockproof_differential::lockstep::state_errors::{anchor_error, largest_distance, rate_error};
@@ -16,7 +16,7 @@ use rockproof_stepper::dynamics::{Dynamics, State};
 use std::path::PathBuf;
 
 /// Unknowns of the largest scene in the quick test: 512 bits take seconds a step beyond.
-const MOST_UNKNOWNS: usize = 150;
+const MAX_UNKNOWNS: usize = 150;
 
 /// The scenes, by name.
 fn scenes() -> Vec<(String, ExactScene)> {
@@ -57,7 +57,7 @@ fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
     let mut ties = Ties::default();
     for _ in 0..steps {
         let number = state.step as i64 + 1 - i64::from(state.settling);
-        let exact = scene.step(&exact_state(&state).unwrap(), KEEP);
+        let exact = scene.step(&exact_state(&state).unwrap(), KEPT_PRECISION);
         let stepped = wide.step(&state).unwrap();
         sooner_is_the_same(&format!("{name}, step {number}"), &wide.decide(&state).unwrap(), &stepped);
         ties.steps += usize::from(stepped.unsettled > 0);
@@ -98,7 +98,7 @@ fn same_state(step: &str, before: &exact::State, own: &exact::State, right: &exa
 fn stepper_and_oracle_make_the_same_first_steps() {
     for (name, scene) in scenes() {
         let unknowns: usize = scene.scene().blocks.iter().map(|block| block.body.motion.unknowns()).sum();
-        if unknowns <= MOST_UNKNOWNS {
+        if unknowns <= MAX_UNKNOWNS {
             let ties = agree(&name, &scene, 4);
             println!("{name}: {ties:#?}");
         }

@@ -9,10 +9,10 @@ use rockproof_campaign::steps::{
 };
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::intrusion::CausedIntrusion;
-use rockproof_differential::lockstep::run::KEEP;
+use rockproof_differential::lockstep::run::KEPT_PRECISION;
 use rockproof_differential::lockstep::{ComparedLinks, ExactScene, Intrusion, Lockstep, StepCause};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, PairSource, Subject};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::{Block, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage};
@@ -41,11 +41,11 @@ struct Reached {
     unseen: u32,
 }
 
-fn exactly(subject: &Subject, motion: &PairMotion, set: &SubjectSet, reached: &mut Reached) {
+fn exactly(subject: &Subject, motion: &PairMotion, set: &NamedSet, reached: &mut Reached) {
     let set = set.of(Precision::F64);
     let scene = ExactScene::new(&motion.scene(&subject.a, &subject.b, set), set);
     let before = scene.begin();
-    let Ok(made) = scene.step(&before, KEEP) else { return };
+    let Ok(made) = scene.step(&before, KEPT_PRECISION) else { return };
     reached.steps += 1;
     let (before, after) = (scene.blocks_at(&before), scene.blocks_at(&made.state));
     let [a, b] = [0, 1].map(|k| StraightMotion::new(&before[k], &after[k]));

@@ -1,12 +1,12 @@
 //! Pins that a search on many processes is the search of one, whoever is slow, stopped or refused. Threads stand for the processes.
 
 use crate::thread_ranks::Threads;
-use rockproof_campaign::distribute::ranks::dismiss;
+use rockproof_campaign::distribute::ranks::end_workers;
 use rockproof_campaign::distribute::{DistributeError, Introduction, Transport};
 use rockproof_campaign::part::Machine;
 use rockproof_model::{Precision, Scene, ToleranceSpec};
 use rockproof_results::{Start, digest};
-use rockproof_tune::distribute::{Crew, Enough, SearchTask, serve};
+use rockproof_tune::distribute::{Crew, SearchTask, StopCriterion, serve};
 use rockproof_tune::report::{as_toml, markdown};
 use rockproof_tune::{Evaluator, Search, SearchRecord, TuneError, UnauditedEvaluator};
 use serde_json::{Map, Value};
@@ -116,14 +116,14 @@ fn run(model: Model, dir: &Path, ranks: usize, trouble: Trouble) -> Result<Optio
             let mut search = Search::new(&evaluator, &author, SEED)?;
             let mut record = SearchRecord::open(dir, &model.identity(), Start::Resume, &mut search)?;
             let reached = |tried: usize| tried >= model.candidates;
-            let enough = Enough { reached: &reached, most: Some(model.candidates) };
+            let enough = StopCriterion { reached: &reached, most: Some(model.candidates) };
             crew.search(&mut search, &enough, &stop, &mut |search| {
                 stop.store(search.tried().len() == trouble.stop_after, Ordering::SeqCst);
                 record.commit(search).map_err(TuneError::from)
             })?;
             Ok(search.best().map(|_| written(dir, &evaluator, &search)))
         })();
-        dismiss(&mut first).expect("a message");
+        end_workers(&mut first).expect("a message");
         led
     })
 }

@@ -32,7 +32,7 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 15] = [
     ("report", &["model", "oracle", "simulate", "differential", "campaign", "gate", "results"]),
     ("examine", &["model", "oracle", "stepper", "simulate", "differential", "tune", "report", "results"]),
     // The stepper against closed forms, and the exact side against itself. Nothing depends on it but fuzz targets, tests and examples.
-    ("validation", &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign"]),
+    ("validation", &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign", "bench"]),
     // Nothing depends on it but tests and examples.
     (
         "fuzz",

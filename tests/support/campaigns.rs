@@ -2,9 +2,9 @@
 #![allow(dead_code, reason = "each test uses its part")]
 
 use crate::place::{Place, Ran};
+pub(crate) use rockproof_fuzz::files;
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Some steps can have no case; chunks and parts do not end together.
 pub(crate) const SETTINGS: &str = "pairs = 250\nchunk = 48\nfamilies = [\"sliver\", \"edge_cross\", \"face_stack\"]\ntolerances = [\"auto\"]\n\
@@ -86,18 +86,4 @@ impl Campaigns {
             assert!(other[name] == *bytes, "{name} differs");
         }
     }
-}
-
-/// Every file below a folder, with `before` in front of its name.
-pub(crate) fn files(dir: &Path, before: &str) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for entry in fs::read_dir(dir).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        let name = format!("{before}{}", path.file_name().expect("a name").to_string_lossy());
-        match path.is_dir() {
-            true => found.extend(files(&path, &format!("{name}/"))),
-            false => drop(found.insert(name, fs::read(&path).expect("a file"))),
-        }
-    }
-    found
 }

@@ -32,7 +32,7 @@ pub struct ExactCost {
     /// Plain rational elimination of the system of one solve; none for larger systems.
     pub plain: Option<f64>,
     /// Who decided.
-    pub levels: exact::StepLevels,
+    pub levels: exact::StepLevelCounts,
 }
 
 impl ExactCost {
@@ -112,7 +112,7 @@ pub fn exact_stepping(name: &str, scene: &Scene, steps: u32) -> Result<ExactCost
     let model = exact::StepModel { shapes: &shapes, bodies: &bodies, simulation: &scene.simulation, tolerances: &set };
     let unknowns: usize = bodies.iter().map(|body| body.motion.unknowns()).sum();
     let mut times: [Vec<f64>; 5] = Default::default();
-    let (mut levels, mut iterations, mut made) = (exact::StepLevels::default(), 0, 0);
+    let (mut levels, mut iterations, mut made) = (exact::StepLevelCounts::default(), 0, 0);
     for _ in 0..steps {
         let (state, conversion) = timed(|| exact_state(dynamics.state()));
         let state = state?;
@@ -165,7 +165,7 @@ fn median(mut times: Vec<f64>) -> Option<f64> {
     times.get(times.len() / 2).copied()
 }
 
-fn add(sum: &mut exact::StepLevels, more: &exact::StepLevels) {
+fn add(sum: &mut exact::StepLevelCounts, more: &exact::StepLevelCounts) {
     sum.float += more.float;
     sum.double += more.double;
     sum.wide.iter_mut().zip(more.wide).for_each(|(sum, more)| *sum += more);

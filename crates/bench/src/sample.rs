@@ -3,7 +3,7 @@
 use rockproof_campaign::generic::Generic;
 use rockproof_campaign::pairs::{self, PairCase, PairConfig, PairForm};
 use rockproof_campaign::source::{self, SourceError};
-use rockproof_campaign::tolerance_sets::NamedSet;
+use rockproof_differential::subject::NamedSet;
 use rockproof_model::{Block, ToleranceSet};
 use rockproof_oracle::{self, LevelCounts, Pair};
 use rockproof_stepper::contact::{ClassificationRequest, NearbyFeatures, PreparedBlock, Tolerances};

@@ -4,13 +4,13 @@
 use crate::sample::SampleKind;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::journal::Journal;
-use rockproof_campaign::pairs::{self, PairCase, PairConfig};
+use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::run::{Campaign, RunError};
 use rockproof_campaign::source::SourceError;
 use rockproof_differential::attribution::{EnginePanel, examine};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
+use rockproof_differential::subject::{PairSource, Subject};
 use rockproof_results::{Owner, ResultsError, Start};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -92,19 +92,7 @@ impl PairSource for CleanPairs {
 
     fn batch(&self, number: u64) -> Vec<Subject> {
         let cases = pairs::batch(self.seed, number, &self.config);
-        cases.into_iter().filter(|case| !self.left_out.contains(&case.index)).map(subject).collect()
-    }
-}
-
-fn subject(case: PairCase) -> Subject {
-    let sets = case.sets.into_iter();
-    Subject {
-        index: case.index,
-        family: case.family.into(),
-        form: case.form.name().into(),
-        a: case.a,
-        b: case.b,
-        sets: sets.map(|set| SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 }).collect(),
+        cases.into_iter().filter(|case| !self.left_out.contains(&case.index)).map(Subject::from).collect()
     }
 }
 

@@ -11,7 +11,7 @@ use super::steps::{self, StepFinding, StepFindingRow};
 use rayon::prelude::*;
 use rockproof_differential::attribution::examine;
 use rockproof_differential::case_file::Case;
-use rockproof_differential::finding::{FAR, Finding, Fingerprint};
+use rockproof_differential::finding::{FAR_FROM_TIE, Finding, Fingerprint};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::row::FindingRow;
 use rockproof_differential::subject::Subject;
@@ -27,7 +27,7 @@ const STEP_CASES: u64 = 4;
 pub(super) fn case_request(row: &FindingRow) -> CaseRequest {
     let fingerprint = Fingerprint::of_row(row);
     let name = format!("{}.toml", fingerprint.file_stem(&row.tolerances, row.index));
-    let far = row.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR);
+    let far = row.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR_FROM_TIE);
     let furthest = far.map(|ulps| FurthestFinding {
         key: format!("furthest {} {}", row.engine, row.cause),
         decade: ulps.log10().floor() as u64,
@@ -53,13 +53,13 @@ fn rows_in_threads<F: Sync, R: Serialize>(
 
 impl Campaign<'_> {
     /// How many case files there may be.
-    pub(super) fn most_cases(&self) -> CaseQuota {
+    pub(super) fn case_quota(&self) -> CaseQuota {
         CaseQuota { of_cause: self.config.cases_per_cause, alike: self.config.cases_per_fingerprint }
     }
 
     /// The same of findings about steps.
-    pub(super) fn most_step_cases(&self) -> CaseQuota {
-        CaseQuota { of_cause: self.config.cases_per_cause / STEP_CASES, ..self.most_cases() }
+    pub(super) fn step_case_quota(&self) -> CaseQuota {
+        CaseQuota { of_cause: self.config.cases_per_cause / STEP_CASES, ..self.case_quota() }
     }
 
     /// The rows of a chunk's findings and their case files. A part makes no case files. Where the run is stopped meanwhile, the rest is not
@@ -96,7 +96,7 @@ impl Campaign<'_> {
         let request = |finding: &Finding| case_request(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
         let case = |finding: &Finding| if stopped() { Ok(None) } else { self.case(finding) };
-        write_cases(findings, each_in_threads(request), self.most_cases(), counts, in_threads(case))
+        write_cases(findings, each_in_threads(request), self.case_quota(), counts, in_threads(case))
     }
 
     /// The same of findings about steps: the first few of each fingerprint.
@@ -109,7 +109,7 @@ impl Campaign<'_> {
         let request = |finding: &StepFinding| step_case_request(&finding.row(String::new()));
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
         let case = |finding: &StepFinding| if stopped() { Ok(None) } else { self.step_case(finding) };
-        write_cases(findings, each_in_threads(request), self.most_step_cases(), counts, in_threads(case))
+        write_cases(findings, each_in_threads(request), self.step_case_quota(), counts, in_threads(case))
     }
 
     /// Rows of `no_case.csv`: of the findings about steps that a campaign of this part alone would keep, those that cannot have a case file.
@@ -132,7 +132,7 @@ impl Campaign<'_> {
                 .is_some_and(|(subject, motion)| steps::case::is_possible(finding, &subject, &motion, self.steppers));
             Ok(possible.then(Vec::new))
         };
-        let kept = write_cases(findings, each(request), self.most_step_cases(), counts, in_threads(tried))?;
+        let kept = write_cases(findings, each(request), self.step_case_quota(), counts, in_threads(tried))?;
         let mut rows = Vec::new();
         for at in kept.failed {
             let index = findings[at].index;

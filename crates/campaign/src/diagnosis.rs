@@ -17,7 +17,7 @@ use rockproof_differential::diagnosis::{
 use rockproof_differential::engine::Engine;
 use rockproof_differential::finding::{Cause, FINDING_COLUMNS, Finding, FindingScope};
 use rockproof_differential::row::{FindingRow, typed_rows, written};
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::files::open_table;
 use rockproof_results::{ResultsError, digest};
 use std::collections::{BTreeMap, BTreeSet};
@@ -222,7 +222,7 @@ impl Campaign<'_> {
         subjects: &[Subject],
         differing: &[(&SampleKey, &String)],
     ) -> Vec<Question> {
-        let mut places: Vec<(SampleKey, &Subject, &SubjectSet)> = Vec::new();
+        let mut places: Vec<(SampleKey, &Subject, &NamedSet)> = Vec::new();
         for subject in subjects.iter().filter(|subject| subject.index < self.config.pairs) {
             for set in &subject.sets {
                 let place = SampleKey::of(self.config.seed, subject.index, &set.name);
@@ -266,7 +266,7 @@ fn differing(findings: &Path, seed: u64) -> Result<BTreeMap<String, Differing>, 
 }
 
 /// A question with the engine's answer; `None` where the engine is not asked, because rounding destroys the pair.
-fn question(engine: &dyn Engine, subject: &Subject, set: &SubjectSet) -> Option<Question> {
+fn question(engine: &dyn Engine, subject: &Subject, set: &NamedSet) -> Option<Question> {
     let precision = engine.precision();
     let blocks = [subject.a.rounded(precision)?, subject.b.rounded(precision)?];
     if blocks.iter().any(|block| collapsed_feature(block).is_some()) {

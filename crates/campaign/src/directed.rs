@@ -102,7 +102,7 @@ pub const MOVED: [Predicate; 17] = [
 ];
 
 /// The predicates that choose between two faces; they depend on where B is as well.
-pub const CHOSEN: [Predicate; 2] = [Predicate::EntranceChoice, Predicate::ShortestExit];
+pub const FACE_CHOICES: [Predicate; 2] = [Predicate::EntranceChoice, Predicate::ShortestExit];
 
 /// Chooses features of the pair and finds where B has to be for `predicate` to be on its boundary under `set`.
 /// `None` where the pair has no suitable features, or the predicate does not depend on where B is.

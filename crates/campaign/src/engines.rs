@@ -10,7 +10,7 @@ use rockproof_differential::external::{EngineSpec, EngineSpecError, External};
 use rockproof_differential::finding::{Finding, FindingScope};
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::preset::{self, Preset};
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{Block, Number, Point, Precision};
 
 /// The engines of a campaign.
@@ -24,7 +24,7 @@ pub struct Engines {
 #[derive(Debug, thiserror::Error)]
 pub enum EnginesError {
     /// A name that no engine has.
-    #[error("engine \"{}\" does not exist; there are {allowed}", excerpt(.found, SHOWN))]
+    #[error("engine \"{}\" does not exist; there are {allowed}", excerpt(.found, EXCERPT_LENGTH))]
     Unknown {
         /// What was found.
         found: String,

@@ -2,7 +2,7 @@
 
 use super::cases::CaseFile;
 use super::engine_counts::EngineSums;
-use super::journal::{CampaignProgress, Journal, NewRows, Seen};
+use super::journal::{CampaignProgress, Journal, NewRows, ProgressCounts};
 use super::run::{BatchResult, Campaign, RunError, Stopped};
 use super::steps::{StepFinding, StepSummary};
 use super::summary::Summary;
@@ -81,7 +81,7 @@ pub(super) struct InProcess<'c> {
     campaign: &'c Campaign<'c>,
     pool: rayon::ThreadPool,
     engines: EngineSums,
-    seen: Arc<Seen>,
+    seen: Arc<ProgressCounts>,
     stopped: Stopped<'c>,
 }
 

@@ -1,6 +1,6 @@
 //! A campaign without a directory: what it finds stays in memory, for programs that go on from there.
 
-use super::journal::Seen;
+use super::journal::ProgressCounts;
 use super::run::{BatchResult, Campaign, RunError};
 use super::summary::Summary;
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 
 /// What a campaign in memory brought.
 #[derive(Debug, Default)]
-pub struct Examined {
+pub struct CampaignOutcome {
     /// The findings, in the order of the pairs.
     pub findings: Vec<Finding>,
     /// Counts of pairs and findings.
@@ -26,7 +26,7 @@ impl Campaign<'_> {
     ///
     /// # Errors
     /// When there are no worker threads, or an engine cannot be asked for want of something here.
-    pub fn examine(&self, stop: &AtomicBool, seen: &Seen) -> Result<Option<Examined>, RunError> {
+    pub fn examine(&self, stop: &AtomicBool, seen: &ProgressCounts) -> Result<Option<CampaignOutcome>, RunError> {
         let stopped = || self.is_over(stop);
         let (batch_len, pairs) = (self.source.batch_len(), self.config.pairs);
         let batches: Option<Vec<BatchResult>> = self.pool()?.install(|| {
@@ -35,7 +35,7 @@ impl Campaign<'_> {
         });
         self.panel.check_shortage()?;
         Ok(batches.map(|batches| {
-            let mut all = Examined::default();
+            let mut all = CampaignOutcome::default();
             for batch in batches {
                 all.findings.extend(batch.findings);
                 all.summary.add(batch.counts.summary);

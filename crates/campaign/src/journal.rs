@@ -93,7 +93,7 @@ impl NewRows {
 
 /// What has been looked at since the program began, for whoever shows progress while a chunk is under way. It counts ahead of [`CampaignProgress`].
 #[derive(Debug, Default)]
-pub struct Seen {
+pub struct ProgressCounts {
     /// Pairs examined, those of earlier sessions among them.
     pub pairs: AtomicU64,
     /// Findings made, likewise.
@@ -112,7 +112,7 @@ pub struct Journal {
     /// `no_case.csv`, in a part where pairs make steps.
     no_case: Option<AppendedTable>,
     progress: CampaignProgress,
-    seen: Arc<Seen>,
+    seen: Arc<ProgressCounts>,
 }
 
 /// The key of the configuration that may grow from one session to the next.
@@ -258,7 +258,7 @@ impl Journal {
         let (step_findings, no_case) = (tables.remove(STEP_FINDINGS), tables.remove(NO_CASE));
         progress.configuration.clone_from(configuration);
         progress.resumed += 1;
-        let seen = Seen {
+        let seen = ProgressCounts {
             pairs: progress.pairs_done.into(),
             findings: progress.summary.total().into(),
             shrinking: false.into(),
@@ -272,7 +272,7 @@ impl Journal {
     }
 
     /// What has been looked at, kept up to date while a campaign runs.
-    pub fn seen(&self) -> Arc<Seen> {
+    pub fn seen(&self) -> Arc<ProgressCounts> {
         Arc::clone(&self.seen)
     }
 

@@ -4,10 +4,11 @@
 use crate::directed::{self, DirectedPair, Rung};
 use crate::families::{self, CoordinateStyle, Family, PairSampler};
 use crate::ladder::{self, Critical};
-pub use crate::tolerance_sets::{NamedSet, SetSource};
+pub use crate::tolerance_sets::SetSource;
 use crate::{perturbation, tolerance_sets};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::decision::{Decision, Predicate};
 use rockproof_model::{Block, Criteria, Number, Precision, Sign, ToleranceSet, Vec3};
 use std::sync::Arc;
@@ -83,6 +84,12 @@ pub struct PairCase {
     pub b: Block,
     /// The tolerance sets to classify it with; at least one.
     pub sets: Vec<NamedSet>,
+}
+
+impl From<PairCase> for Subject {
+    fn from(PairCase { index, family, form, a, b, sets, .. }: PairCase) -> Subject {
+        Subject { index, family: family.into(), form: form.name().into(), a, b, sets }
+    }
 }
 
 /// What a campaign's pairs are drawn from.
@@ -311,7 +318,7 @@ impl PairVariants<'_, '_, '_> {
                 Some(place) => (rung, place),
             };
             let changed = NamedSet {
-                name: format!("{}:{}", set.name, critical.tolerance),
+                name: format!("{}:{}", set.name, critical.tolerance).into(),
                 f32: critical.applied(&set.f32, &value),
                 f64: critical.applied(&set.f64, &value),
             };

@@ -121,7 +121,7 @@ impl Machine {
     ///
     /// # Errors
     /// When a table cannot be written.
-    pub fn here(source: &dyn PairSource) -> Result<Machine, RunError> {
+    pub fn current(source: &dyn PairSource) -> Result<Machine, RunError> {
         let names = builtin::ENGINES.map(str::to_owned);
         let panel = builtin::panel(&names, 1).map_err(RunError::Engine)?;
         let steppers = steps::engines(builtin::ENGINES);

@@ -4,7 +4,7 @@ use super::config::CampaignConfig;
 use super::distribute::{DistributeError, WorkerPanic};
 use super::engine_counts::{self, ENGINES};
 use super::examiner::{Counts, Examiner, InProcess};
-use super::journal::{CampaignProgress, Journal, NewRows, Seen};
+use super::journal::{CampaignProgress, Journal, NewRows, ProgressCounts};
 use super::merge::MergeError;
 use super::part::Part;
 use super::steps::{self, StepEngine, StepFinding};
@@ -264,7 +264,13 @@ impl Campaign<'_> {
     }
 
     /// One batch; `None` where the run is stopped meanwhile.
-    pub(super) fn batch(&self, number: u64, end: u64, seen: &Seen, stopped: Stopped<'_>) -> Option<BatchResult> {
+    pub(super) fn batch(
+        &self,
+        number: u64,
+        end: u64,
+        seen: &ProgressCounts,
+        stopped: Stopped<'_>,
+    ) -> Option<BatchResult> {
         let mut batch = BatchResult::default();
         let subjects = self.source.batch(number);
         let mut record = AgreementRecord::default();

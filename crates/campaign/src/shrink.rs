@@ -6,11 +6,11 @@
 
 mod blocks;
 
-pub(crate) use blocks::{Asked, BlockShrinker, Refusals};
 use blocks::{Attempt, bits, on_grid};
+pub(crate) use blocks::{BlockQuestion, BlockShrinker, Refusals};
 use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::case_file::Case;
-use rockproof_differential::finding::{FAR, Finding};
+use rockproof_differential::finding::{FAR_FROM_TIE, Finding};
 use rockproof_model::{Criteria, Number};
 
 /// Makes cases smaller.
@@ -31,7 +31,8 @@ impl<'p> Shrinker<'p> {
 
     /// The smallest case found. A case that does not show its finding is returned as it is.
     pub fn shrink(mut self, case: Case) -> Case {
-        self.least = case.about.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR).map_or(0.0, |ulps| ulps / 10.0);
+        self.least =
+            case.about.margin_ulps.map(f64::abs).filter(|ulps| *ulps > FAR_FROM_TIE).map_or(0.0, |ulps| ulps / 10.0);
         let Some(finding) = self.reproduces(&case) else { return case };
         let mut best = case;
         best.describe(&finding, self.panel);
@@ -82,11 +83,11 @@ impl<'p> Shrinker<'p> {
         let mut blocks = [best.a.clone(), best.b.clone()];
         let case = best.clone();
         let mut refusals = std::mem::take(&mut self.refusals);
-        let mut shows = |asked: Asked<'_>| {
+        let mut shows = |asked: BlockQuestion<'_>| {
             if self.left == 0 {
                 return None;
             }
-            let Asked::Now([a, b]) = asked else {
+            let BlockQuestion::Now([a, b]) = asked else {
                 self.left -= 1;
                 return Some(false);
             };

@@ -7,9 +7,9 @@ use super::steps::{PASSAGE, motion, passing};
 use super::tolerance_grid::ToleranceGridError;
 use super::tolerance_sets::{self, SetSource};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
+use rockproof_differential::subject::{PairSource, Subject};
 use rockproof_model::files::read_limited;
-use rockproof_model::text::{SHOWN, begins_a_formula, escaped, excerpt, is_harmful};
+use rockproof_model::text::{EXCERPT_LENGTH, begins_a_formula, escaped, excerpt, is_harmful};
 use rockproof_model::{Block, LoadOptions, Number, Precision, Scene, SceneError, SpecError, ToleranceSpec, Vec3};
 use rockproof_results::digest;
 use serde_json::{Map, Value};
@@ -20,7 +20,7 @@ use std::sync::Arc;
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     /// A family that does not exist.
-    #[error("family \"{}\" does not exist; there are {allowed}", excerpt(.found, SHOWN))]
+    #[error("family \"{}\" does not exist; there are {allowed}", excerpt(.found, EXCERPT_LENGTH))]
     Family {
         /// What was found.
         found: String,
@@ -30,7 +30,7 @@ pub enum SourceError {
     /// A tolerance set that does not exist.
     #[error(
         "tolerance set \"{}\" does not exist; there are {allowed}, changes of them (auto@territory*1/2@criteria=classic), and TOML files of tolerances",
-        excerpt(.found, SHOWN)
+        excerpt(.found, EXCERPT_LENGTH)
     )]
     Set {
         /// What was found.
@@ -299,21 +299,7 @@ impl PairSource for FamilySource {
     }
 
     fn batch(&self, number: u64) -> Vec<Subject> {
-        self.cases(number)
-            .into_iter()
-            .map(|case| Subject {
-                index: case.index,
-                family: case.family.into(),
-                form: case.form.name().into(),
-                a: case.a,
-                b: case.b,
-                sets: case
-                    .sets
-                    .into_iter()
-                    .map(|set| SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 })
-                    .collect(),
-            })
-            .collect()
+        self.cases(number).into_iter().map(Subject::from).collect()
     }
 
     fn motion(&self, subject: &Subject) -> Option<PairMotion> {

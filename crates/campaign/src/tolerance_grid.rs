@@ -1,7 +1,7 @@
 //! Tolerance sets on a grid around a preset: what does each tolerance do?
 
 use super::tolerance_sets::SetSource;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{Criteria, Number, ToleranceSet};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -39,13 +39,13 @@ pub struct ToleranceGrid {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ToleranceGridError {
     /// A preset that does not exist.
-    #[error("grid: base \"{}\" is no tolerance set; there are {}", excerpt(.found, SHOWN), super::tolerance_sets::NAMES.join(", "))]
+    #[error("grid: base \"{}\" is no tolerance set; there are {}", excerpt(.found, EXCERPT_LENGTH), super::tolerance_sets::NAMES.join(", "))]
     Base {
         /// What was found.
         found: String,
     },
     /// Criteria that do not exist.
-    #[error("grid: criteria \"{}\" do not exist; there are classic, revised", excerpt(.0, SHOWN))]
+    #[error("grid: criteria \"{}\" do not exist; there are classic, revised", excerpt(.0, EXCERPT_LENGTH))]
     Criteria(String),
     /// A factor below zero.
     #[error("grid: {0} has the factor {1}; factors are 0 or more")]
@@ -54,12 +54,12 @@ pub enum ToleranceGridError {
     #[error("grid: {0} has the factor {1} twice")]
     Twice(&'static str, String),
     /// More sets than a campaign can examine sensibly.
-    #[error("grid: {0} sets; at most {MOST} make sense, for each needs pairs of its own")]
+    #[error("grid: {0} sets; at most {MAX_SETS} make sense, for each needs pairs of its own")]
     TooMany(usize),
 }
 
 /// How many sets a grid may have.
-pub const MOST: usize = 256;
+pub const MAX_SETS: usize = 256;
 
 type Field = fn(&mut ToleranceSet) -> &mut Number;
 
@@ -116,7 +116,7 @@ impl ToleranceGrid {
                 };
                 points = points.iter().flat_map(|p| factors.iter().map(move |f| with(p, f))).collect();
             }
-            if points.len() > MOST {
+            if points.len() > MAX_SETS {
                 return Err(ToleranceGridError::TooMany(points.len()));
             }
         }

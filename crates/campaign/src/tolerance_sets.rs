@@ -3,6 +3,7 @@
 
 use crate::directed::f64_view::{length, minus};
 use crate::shapes::lattice_solid::number_of;
+use rockproof_differential::subject::NamedSet;
 use rockproof_model::number::{power_of_two, split_f64};
 use rockproof_model::preset::{self, Preset};
 use rockproof_model::{Block, Criteria, Number, Precision, ToleranceSet, ToleranceSpec};
@@ -20,7 +21,7 @@ type Derive = dyn Fn(&Block, &Block, Precision) -> Option<ToleranceSet> + Send +
 /// A named way to a tolerance set for a pair of blocks.
 #[derive(Clone)]
 pub struct SetSource {
-    name: String,
+    name: Arc<str>,
     derive: Arc<Derive>,
 }
 
@@ -30,38 +31,17 @@ impl fmt::Debug for SetSource {
     }
 }
 
-/// A tolerance set with its name, for either precision.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NamedSet {
-    /// The source's name, with `-steep` after [`steep`]; after a colon the tolerance that a ladder has changed: `auto`, `auto:territory`.
-    pub name: String,
-    /// The set for engines that calculate in f32.
-    pub f32: ToleranceSet,
-    /// The set for engines that calculate in f64.
-    pub f64: ToleranceSet,
-}
-
-impl NamedSet {
-    /// The set for a precision.
-    pub fn of(&self, precision: Precision) -> &ToleranceSet {
-        match precision {
-            Precision::F32 => &self.f32,
-            Precision::F64 => &self.f64,
-        }
-    }
-}
-
 impl SetSource {
     /// A source that derives a set from the pair, for engines of the given precision. It may decline.
     pub fn new(
-        name: impl Into<String>,
+        name: impl Into<Arc<str>>,
         derive: impl Fn(&Block, &Block, Precision) -> Option<ToleranceSet> + Send + Sync + 'static,
     ) -> SetSource {
         SetSource { name: name.into(), derive: Arc::new(derive) }
     }
 
     /// The same set for every pair.
-    pub fn given(name: impl Into<String>, set: ToleranceSet) -> SetSource {
+    pub fn constant(name: impl Into<Arc<str>>, set: ToleranceSet) -> SetSource {
         SetSource::new(name, move |_, _, _| Some(set.clone()))
     }
 
@@ -230,7 +210,7 @@ pub fn steep(set: &NamedSet, a: &Block, b: &Block) -> NamedSet {
         overlap_sine: number(63.0 / 64.0),
         ..set.clone()
     };
-    NamedSet { name: format!("{}-steep", set.name), f32: widened(&set.f32), f64: widened(&set.f64) }
+    NamedSet { name: format!("{}-steep", set.name).into(), f32: widened(&set.f32), f64: widened(&set.f64) }
 }
 
 /// The block's shortest edge and longest box side (m).
@@ -292,7 +272,7 @@ mod tests {
         let block = Block::cuboid(&corner(0), &corner(1)).unwrap();
         let derived = |name: &str| SetSource::named(name).unwrap().derive(&block, &block).unwrap();
         let (auto, changed) = (derived("auto").f64, derived("auto@territory*1/2@criteria=classic@overlap_angle=90"));
-        assert_eq!(changed.name, "auto@territory*1/2@criteria=classic@overlap_angle=90");
+        assert_eq!(&*changed.name, "auto@territory*1/2@criteria=classic@overlap_angle=90");
         assert_eq!(changed.f64.territory.times(&whole(2)), auto.territory);
         assert_eq!((changed.f64.criteria, &changed.f64.overlap_sine), (Criteria::Classic, &whole(1)));
         assert_eq!(changed.f64.search, auto.search);

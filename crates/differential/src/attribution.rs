@@ -15,13 +15,13 @@ use super::compare::{AnswerChange, Difference, Features, differences};
 use super::engine::{
     Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Shortage, Trace, catch_panic,
 };
-use super::explain::{ChainLink, explain, suspect};
+use super::explain::{ChainLink, explain, nearest_decisions};
 use super::external::protocol::completed;
 use super::finding::{Cause, DecidingDecision, Finding, FindingScope};
 use super::indexed_trace::IndexedTrace;
 use super::metamorphic;
 use super::separation_state::ReportedState;
-use super::subject::{Subject, SubjectSet};
+use super::subject::{NamedSet, Subject};
 use super::transform::ExactBlocks;
 use rockproof_model::{Block, Contact, ContactKey, Precision, ToleranceSet};
 use std::cell::{OnceCell, RefCell};
@@ -295,7 +295,7 @@ impl<'p> Examiner<'p> {
 
     fn report(
         &mut self,
-        set: &SubjectSet,
+        set: &NamedSet,
         scope: FindingScope,
         cause: Cause,
         difference: Difference,
@@ -317,7 +317,7 @@ impl<'p> Examiner<'p> {
 
     fn report_failure(
         &mut self,
-        set: &SubjectSet,
+        set: &NamedSet,
         scope: FindingScope,
         cause: Cause,
         change: AnswerChange,
@@ -331,7 +331,7 @@ impl<'p> Examiner<'p> {
 
     /// O(exact, ideal(T)) against O(exact, T). Where the sets of the precisions differ, what they have in common is
     /// reported once.
-    fn tolerance_link(&mut self, set: &SubjectSet, views: &[PrecisionView<'p, '_>]) {
+    fn tolerance_link(&mut self, set: &NamedSet, views: &[PrecisionView<'p, '_>]) {
         let precisions: Vec<Precision> = views.iter().map(|v| v.rounded.precision).collect();
         let mut sets: Vec<(FindingScope, &ToleranceSet)> = Vec::new();
         for &precision in &precisions {
@@ -383,7 +383,7 @@ impl<'p> Examiner<'p> {
     }
 
     /// O(exact, T) against O(rounded, T), and that against F(rounded, T) of each engine of one precision.
-    fn engine_links(&mut self, set: &SubjectSet, number: usize, view: &PrecisionView<'p, '_>) {
+    fn engine_links(&mut self, set: &NamedSet, number: usize, view: &PrecisionView<'p, '_>) {
         let precision = view.rounded.precision;
         let given = set.of(precision);
         let mut lost = |change, note: String| {
@@ -512,7 +512,7 @@ impl<'p> Examiner<'p> {
                 roundoff: Some(at.engine.precision().epsilon() / 2.0),
             };
             let outside = at.engine.cause() == Cause::Engine;
-            let told = if outside { suspect } else { explain };
+            let told = if outside { nearest_decisions } else { explain };
             let reasons = told(&changed, &link, self.features);
             for (difference, deciding) in changed.into_iter().zip(reasons) {
                 if self.wanted.is_some_and(|wanted| !wanted.includes_decided_by(deciding.as_ref())) {
@@ -561,7 +561,7 @@ impl<'p> Examiner<'p> {
 /// One engine's place in the chain.
 struct EngineAt<'x> {
     subject: &'x Subject,
-    set: &'x SubjectSet,
+    set: &'x NamedSet,
     number: usize,
     engine: &'x dyn Engine,
     blocks: &'x [Block; 2],
@@ -576,7 +576,7 @@ impl EngineAt<'_> {
     }
 }
 
-fn compared<'x>(subject: &'x Subject, set: &'x SubjectSet, span: ChainSpan, engine: &'x str) -> Compared<'x> {
+fn compared<'x>(subject: &'x Subject, set: &'x NamedSet, span: ChainSpan, engine: &'x str) -> Compared<'x> {
     Compared { family: &subject.family, tolerances: &set.name, span, engine }
 }
 

@@ -118,11 +118,11 @@ impl ExactPair for rockproof_oracle::Pair<'_> {
     }
 
     fn trace(&self, tolerances: &ToleranceSet) -> Trace {
-        self.outcomes_keeping(tolerances, &[]).0
+        self.outcomes_with_kept(tolerances, &[]).0
     }
 
     fn indexed_trace(&self, tolerances: &ToleranceSet) -> IndexedTrace {
-        let (decisions, index) = self.outcomes_keeping(tolerances, &[]);
+        let (decisions, index) = self.outcomes_with_kept(tolerances, &[]);
         IndexedTrace::with_index(decisions, index)
     }
 

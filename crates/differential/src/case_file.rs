@@ -7,12 +7,12 @@ use super::compare::AnswerChange;
 use super::external::protocol::{UNNAMED, completed};
 use super::external::spec::is_name;
 use super::finding::{Cause, Finding, FindingScope};
-use super::subject::{Subject, SubjectSet};
+use super::subject::{NamedSet, Subject};
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::files::read_text;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{
-    Block, BlockError, BlockOptions, Contact, ContactKey, ContactKind, Criteria, Entrance, EntranceKind, Number, Point,
+    Block, BlockError, BlockOptions, Contact, ContactKey, ContactKind, Entrance, EntranceKind, Number, Point,
     Precision, Sign, SpecError, ToleranceSet, ToleranceSpec, VertexId,
 };
 use serde::{Deserialize, Serialize};
@@ -125,24 +125,8 @@ pub fn contact_rows(contacts: &[Contact]) -> Vec<ContactRow> {
 #[serde(deny_unknown_fields)]
 struct CaseFile {
     case: CaseDescription,
-    tolerances: Tolerances,
+    tolerances: ToleranceSet,
     block: Vec<CaseBlock>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Tolerances {
-    search: Number,
-    territory: Number,
-    penetration: Number,
-    overlap_sine: Number,
-    parallel_sine: Number,
-    equal: Number,
-    open: Number,
-    close: Number,
-    max_displacement: Number,
-    max_rotation: Number,
-    criteria: String,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -248,7 +232,7 @@ impl Case {
 
     /// The pair of the case, as one of a campaign.
     pub fn subject(&self) -> Subject {
-        let set = SubjectSet { name: "case".into(), f32: self.tolerances.clone(), f64: self.tolerances.clone() };
+        let set = NamedSet::same("case", &self.tolerances);
         Subject {
             index: 0,
             family: "case".into(),
@@ -315,7 +299,6 @@ impl Case {
     /// # Errors
     /// Those of the TOML writer.
     pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
-        let t = self.tolerances.clone();
         let block = |block: &Block| CaseBlock {
             name: None,
             vertices: block.vertices().iter().map(|v| [v.x.clone(), v.y.clone(), v.z.clone()]).collect(),
@@ -323,19 +306,7 @@ impl Case {
         };
         let file = CaseFile {
             case: self.about.clone(),
-            tolerances: Tolerances {
-                search: t.search,
-                territory: t.territory,
-                penetration: t.penetration,
-                overlap_sine: t.overlap_sine,
-                parallel_sine: t.parallel_sine,
-                equal: t.equal,
-                open: t.open,
-                close: t.close,
-                max_displacement: t.max_displacement,
-                max_rotation: t.max_rotation,
-                criteria: t.criteria.name().to_owned(),
-            },
+            tolerances: self.tolerances.clone(),
             block: vec![block(&self.a), block(&self.b)],
         };
         toml::to_string(&file)
@@ -363,12 +334,17 @@ impl Case {
             if allowed.contains(&found) {
                 return Ok(());
             }
-            let (file, found, allowed) = (file.clone(), excerpt(found, SHOWN), allowed.join(", "));
+            let (file, found, allowed) = (file.clone(), excerpt(found, EXCERPT_LENGTH), allowed.join(", "));
             Err(CaseError::Value { file, key, found, allowed })
         };
         if !["any", "f32", "f64"].contains(&about.engine.as_str()) && !is_name(&about.engine) {
             let allowed = "any, f32, f64, and names of letters, digits, '-', '_' and '.'".to_owned();
-            return Err(CaseError::Value { file, key: "engine", found: excerpt(&about.engine, SHOWN), allowed });
+            return Err(CaseError::Value {
+                file,
+                key: "engine",
+                found: excerpt(&about.engine, EXCERPT_LENGTH),
+                allowed,
+            });
         }
         for (key, margin) in [("margin", about.margin), ("margin_ulps", about.margin_ulps)] {
             if let Some(found) = margin.filter(|margin| !margin.is_finite()) {
@@ -381,14 +357,13 @@ impl Case {
         if about.kind.split(" to ").any(|kind| !kind.is_empty() && ContactKind::from_name(kind).is_none()) {
             known("kind", &about.kind, &ContactKind::ALL.map(ContactKind::name))?;
         }
-        known("criteria", &parsed.tolerances.criteria, &["classic", "revised"])?;
         if !about.predicate.is_empty() {
             known("predicate", &about.predicate, &Predicate::ALL.map(Predicate::name))?;
         }
         for row in about.expected.iter().chain(&about.found) {
             if row.contact().is_none() {
                 let allowed = "kinds v-v v-e e-v v-f f-v e-e, entrances v-f f-v e-e, gap signs -1 0 1".to_owned();
-                let found = excerpt(&format!("{row:?}"), SHOWN);
+                let found = excerpt(&format!("{row:?}"), EXCERPT_LENGTH);
                 return Err(CaseError::Value { file, key: "expected or found", found, allowed });
             }
         }
@@ -413,20 +388,7 @@ impl Case {
                 return Err(CaseError::Value { file, key: "a contact of expected or found", found, allowed });
             }
         }
-        let t = parsed.tolerances;
-        let tolerances = ToleranceSet {
-            search: t.search,
-            territory: t.territory,
-            penetration: t.penetration,
-            overlap_sine: t.overlap_sine,
-            parallel_sine: t.parallel_sine,
-            equal: t.equal,
-            open: t.open,
-            close: t.close,
-            max_displacement: t.max_displacement,
-            max_rotation: t.max_rotation,
-            criteria: if t.criteria == "classic" { Criteria::Classic } else { Criteria::Revised },
-        };
+        let tolerances = parsed.tolerances;
         let mut spec = ToleranceSpec::empty();
         for (name, number) in tolerances.numbers() {
             spec.set_number(name, number.clone())

@@ -2,7 +2,7 @@
 
 use super::compare::{Difference, Features};
 use super::engine::Trace;
-use super::finding::{DecidingDecision, FAR};
+use super::finding::{DecidingDecision, FAR_FROM_TIE};
 use super::indexed_trace::IndexedTrace;
 use rockproof_model::decision::{Decision, Feature, Side};
 use rockproof_model::{Contact, VertexId};
@@ -77,7 +77,7 @@ pub fn explain(
             let nearer = |best: usize, i: usize| if size(margin(i)) < size(margin(best)) { i } else { best };
             let nearest = candidates.into_iter().reduce(nearer)?;
             let (mut deciding, mut margin) = (parted[nearest], margin(nearest));
-            let far = link.roundoff.is_some_and(|unit| size(margin) > FAR * unit);
+            let far = link.roundoff.is_some_and(|unit| size(margin) > FAR_FROM_TIE * unit);
             if far && let Some((cause, nearer)) = upstream(&parted[..nearest], link, size(margin)) {
                 (deciding, margin) = (cause, Some(nearer));
             }
@@ -99,7 +99,7 @@ fn upstream(before: &[DivergentDecision], link: &ChainLink<'_>, below: f64) -> O
 
 /// For an engine that tells no decisions: around each difference, the decision of the oracle nearest to a tie, which is the
 /// first to suspect. Its outcome after the change is not known and stands as before.
-pub fn suspect(
+pub fn nearest_decisions(
     differences: &[Difference],
     link: &ChainLink<'_>,
     features: Features<'_>,

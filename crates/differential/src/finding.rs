@@ -63,7 +63,7 @@ impl fmt::Display for FindingScope {
 }
 
 /// Beyond so many roundoffs from a tie, the rounding of a sound formula does not explain a wrong outcome.
-pub const FAR: f64 = 1000.0;
+pub const FAR_FROM_TIE: f64 = 1000.0;
 
 /// The decision behind a difference: of those that came out differently on the two sides, the one nearest to a tie.
 #[derive(Clone, Copy, Debug, PartialEq)]

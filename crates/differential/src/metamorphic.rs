@@ -85,7 +85,7 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
     // An engine that fails here failed on the pair itself, which is a finding already, or says so on its own account.
     let Ok(prepared) = catch_panic(|| base.engine.prepare(a, b)) else { return };
     let Ok(answer) = catch_panic(|| prepared.classify(&tolerances)) else { return };
-    let answer = other.back(&answer);
+    let answer = other.to_original(&answer);
     if answer == base.contacts {
         return;
     }
@@ -93,7 +93,7 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
     let solids = base.oracle.prepare(a, b);
     let pair = solids.pair();
     let turned = pair.classify(&tolerances).contacts;
-    let exact = other.back(&turned);
+    let exact = other.to_original(&turned);
     let allowed = differences(base.exact, &exact, features);
     let key = |d: &Difference| d.contact().map(|c| c.key);
     let changed = differences(base.contacts, &answer, features);
@@ -104,7 +104,7 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
         let departs = |prepared: &dyn Prepared, tolerances: &ToleranceSet, expected: &[_]| {
             catch_panic(|| Ok(prepared.departs_in_wide(tolerances, expected))).ok().flatten()
         };
-        let there = changed.iter().map(|difference| other.forth(difference)).collect::<Vec<_>>();
+        let there = changed.iter().map(|difference| other.to_transformed(difference)).collect::<Vec<_>>();
         let here = departs(base.prepared, base.tolerances, &expected(&changed, base.exact))?;
         Some([here, departs(&*prepared, &tolerances, &expected(&there, &turned))?])
     };
@@ -122,7 +122,7 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
         }
         let remains = departing.get_or_init(in_wide).as_ref().is_some_and(|[here, there]| {
             difference.keys().any(|key| here.contains(&key))
-                || other.forth(&difference).keys().any(|key| there.contains(&key))
+                || other.to_transformed(&difference).keys().any(|key| there.contains(&key))
         });
         let cause = if remains { Cause::Defect } else { base.engine.cause() };
         checks.violations.push((cause, Difference { change, ..difference }, deciding));
@@ -149,7 +149,7 @@ fn deciding(
     } else {
         (&turned.other.blocks, turned.tolerances, turned.prepared)
     };
-    let local = if wrong_before { *difference } else { turned.other.forth(difference) };
+    let local = if wrong_before { *difference } else { turned.other.to_transformed(difference) };
     let solids = base.oracle.prepare(&blocks[0], &blocks[1]);
     let pair = solids.pair();
     let link = ChainLink {

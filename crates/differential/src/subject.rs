@@ -18,13 +18,13 @@ pub struct Subject {
     /// The second block, exact.
     pub b: Block,
     /// The tolerance sets to examine it under.
-    pub sets: Vec<SubjectSet>,
+    pub sets: Vec<NamedSet>,
 }
 
 /// A named tolerance set; its numbers may depend on the precision of the engine it is for.
-#[derive(Clone, Debug)]
-pub struct SubjectSet {
-    /// The preset, or the rung of a ladder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedSet {
+    /// Of a campaign's the source's name, after a colon the tolerance that a ladder has changed: `auto`, `auto:territory`.
     pub name: Arc<str>,
     /// The set for f32 engines, exact.
     pub f32: ToleranceSet,
@@ -32,7 +32,12 @@ pub struct SubjectSet {
     pub f64: ToleranceSet,
 }
 
-impl SubjectSet {
+impl NamedSet {
+    /// The same set for every engine.
+    pub fn same(name: impl Into<Arc<str>>, set: &ToleranceSet) -> NamedSet {
+        NamedSet { name: name.into(), f32: set.clone(), f64: set.clone() }
+    }
+
     /// The set for engines of the given precision.
     pub fn of(&self, precision: Precision) -> &ToleranceSet {
         match precision {

@@ -115,7 +115,7 @@ impl Transformed {
     }
 
     /// Contacts of the changed pair in the numbering of the pair itself, sorted.
-    pub fn back(&self, contacts: &[Contact]) -> Vec<Contact> {
+    pub fn to_original(&self, contacts: &[Contact]) -> Vec<Contact> {
         let mut back: Vec<Contact> = contacts
             .iter()
             .map(|&contact| {
@@ -128,7 +128,7 @@ impl Transformed {
     }
 
     /// A difference of the pair itself in the numbering of the changed one.
-    pub fn forth(&self, difference: &Difference) -> Difference {
+    pub fn to_transformed(&self, difference: &Difference) -> Difference {
         let forth = |contact: Contact| {
             let contact = self.numbering.as_ref().map_or(contact, |[a, b]| renumbered(contact, &a.forth, &b.forth));
             if self.swapped { contact.swapped() } else { contact }
@@ -273,10 +273,10 @@ mod tests {
             let changed = apply(transform, &pair);
             let forth = |c: &Contact| {
                 let difference = Difference { change: AnswerChange::Extra, before: None, after: Some(*c) };
-                changed.forth(&difference).after.expect("a contact")
+                changed.to_transformed(&difference).after.expect("a contact")
             };
             let there: Vec<Contact> = all.iter().map(forth).collect();
-            assert_eq!(changed.back(&there), all, "{transform:?}");
+            assert_eq!(changed.to_original(&there), all, "{transform:?}");
             if matches!(transform, Transform::Swap | Transform::Renumber) {
                 assert_ne!(there, all, "{transform:?} changes something");
             }

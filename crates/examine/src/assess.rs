@@ -9,8 +9,8 @@ use crate::pairs::{self, ExaminedPair, PRECISIONS};
 use crate::progress::{Stage, WorkProgress};
 use crate::recommend::{Recommendation, better};
 use crate::steps::{self, Steps};
-use rockproof_differential::subject::SubjectSet;
-use rockproof_model::rules::{self, Thin, Violation};
+use rockproof_differential::subject::NamedSet;
+use rockproof_model::tolerance_rules::{self, Thin, Violation};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
 use rockproof_report::table::counted;
 use rockproof_tune::report::markdown;
@@ -18,7 +18,7 @@ use rockproof_tune::{Evaluator, Search, TuneError};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Blocks of a model that is stepped without being asked to.
-const MOST_STEPPED: usize = 2000;
+const MAX_STEPPED: usize = 2000;
 /// Steps of such a model.
 const STEPS: u64 = 5;
 /// Steps of the search for a set, for each candidate.
@@ -79,7 +79,7 @@ impl Assessment {
 
     /// Whether nothing is wrong with the model under this set, something was tried, and what is wrong could have been seen.
     pub fn is_safe(&self, precision: Precision) -> bool {
-        self.harm(precision) == [0; 5] && self.tries_contacts() && self.thin.is_none()
+        self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.thin.is_none()
     }
 
     /// Whether there were contacts to be wrong: blocks near one another at the start, or in the steps.
@@ -88,10 +88,10 @@ impl Assessment {
     }
 
     /// What is wrong, each zero where nothing is: rules violated, overlaps not held, pairs broken, pairs that pass through one another, steps that cannot be made.
-    pub(crate) fn harm(&self, precision: Precision) -> [u64; 5] {
+    pub(crate) fn fault_counts(&self, precision: Precision) -> [u64; 5] {
         let [_, broken] = self.differing(precision);
         let passing = self.steps.made().map_or(0, |made| made.passages.len() + made.unseen.len());
-        let not_made = self.steps.object() && passing == 0;
+        let not_made = self.steps.find_fault() && passing == 0;
         [self.violations.len(), self.overlaps.lost(), broken, passing, usize::from(not_made)].map(|count| count as u64)
     }
 }
@@ -137,18 +137,18 @@ impl Work<'_> {
         let name = name_of(&model.spec);
         let shapes = model.scene.shapes();
         let [f32, f64] = PRECISIONS.map(|precision| model.spec.derive(&shapes, precision));
-        let sets = SubjectSet { name: name.as_str().into(), f32: f32?, f64: f64? };
+        let sets = NamedSet { name: name.as_str().into(), f32: f32?, f64: f64? };
         let Some(given) = self.assess(&model, &sets)? else { return Ok(None) };
         let Some(other) = self.recommend(&model, &given)? else { return Ok(None) };
         Ok(Some(Examination { model, name, given, other }))
     }
 
     /// How the model does with a set; `None` where it was stopped meanwhile.
-    fn assess(&self, model: &CheckedModel, sets: &SubjectSet) -> Result<Option<Assessment>, ExamineError> {
+    fn assess(&self, model: &CheckedModel, sets: &NamedSet) -> Result<Option<Assessment>, ExamineError> {
         let shapes = model.scene.shapes();
         let set = sets.of(model.precision).clone();
-        let violations = rules::check_scene(&set, &model.scene, model.precision);
-        let thin = rules::thin(&set, &shapes);
+        let violations = tolerance_rules::check_scene(&set, &model.scene, model.precision);
+        let thin = tolerance_rules::thin(&set, &shapes);
         let overlaps = overlaps(&shapes, &set, (None, MeasuredOverlaps::All), self.seen, self.stop);
         let all = overlaps.neighbours();
         self.seen.begin(Stage::Pairs, all.len());
@@ -177,8 +177,8 @@ impl Work<'_> {
                 let pairs = plural(overlaps.lost(), "pair overlaps", "pairs overlap");
                 Some(format!("not made: {pairs} at the start so that contacts cannot hold them"))
             }
-            None if blocks > MOST_STEPPED => Some(format!(
-                "not made: {blocks} blocks are more than {MOST_STEPPED}; --steps N makes them all the same"
+            None if blocks > MAX_STEPPED => Some(format!(
+                "not made: {blocks} blocks are more than {MAX_STEPPED}; --steps N makes them all the same"
             )),
             _ => None,
         }
@@ -210,7 +210,7 @@ impl Work<'_> {
         let file = file_name(&model.file);
         let text = || markdown(&file, &evaluator, &search);
         better(&search, given, model.precision, text, |set| {
-            let sets = SubjectSet { name: "recommended".into(), f32: set.clone(), f64: set.clone() };
+            let sets = NamedSet::same("recommended", set);
             self.assess(model, &sets)
         })
     }

@@ -5,7 +5,7 @@ use crate::pairs::{ExaminedPair, PRECISIONS, is_broken, panel, subject};
 use rockproof_differential::builtin::panel_for;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::Finding;
-use rockproof_differential::subject::SubjectSet;
+use rockproof_differential::subject::NamedSet;
 use rockproof_model::Precision;
 use std::cmp::Reverse;
 
@@ -39,7 +39,7 @@ fn worst_in(found: &Examination, precision: Precision) -> Vec<KeptCase> {
     let shapes = found.model.scene.shapes();
     let set =
         |precision: Precision| found.model.spec.derive(&shapes, precision).unwrap_or_else(|_| found.given.set.clone());
-    let sets = SubjectSet { name: found.name.as_str().into(), f32: set(Precision::F32), f64: set(Precision::F64) };
+    let sets = NamedSet { name: found.name.as_str().into(), f32: set(Precision::F32), f64: set(Precision::F64) };
     let worst_of = |pair: &ExaminedPair| pair.in_precision(precision).worst.clone();
     let mut worst: Vec<(usize, [usize; 2], Finding)> = (found.given.pairs.iter().enumerate())
         .filter_map(|(number, pair)| Some((number, pair.blocks, worst_of(pair)?)))

@@ -1,7 +1,7 @@
 //! A model that could be read, with what the rules say of its tolerances.
 
 use crate::extents::Extents;
-use rockproof_model::rules::{self, BEYOND_F64, Fall, Thin};
+use rockproof_model::tolerance_rules::{self, BEYOND_F64, Fall, Thin};
 use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Violation};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -93,10 +93,10 @@ impl CheckedModel {
             }
         }
         set.rounded(precision).map_err(|name| CheckError::Tolerance { name, precision })?;
-        let violations = rules::check_scene(&set, &scene, precision);
+        let violations = tolerance_rules::check_scene(&set, &scene, precision);
         let extents = Extents::of(&scene);
-        let notes = extents.doubt().into_iter().collect();
-        let (fall, thin) = (rules::fall(&set, &scene), rules::thin(&set, &scene.shapes()));
+        let notes = extents.unit_warning().into_iter().collect();
+        let (fall, thin) = (tolerance_rules::fall(&set, &scene), tolerance_rules::thin(&set, &scene.shapes()));
         Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, thin, notes, merging: None })
     }
 

@@ -6,7 +6,7 @@ use crate::pairs::{ExaminedPair, PRECISIONS};
 use crate::recommend::Recommendation;
 use crate::results::PairFacts;
 use crate::steps::Steps;
-use crate::verdict::{Verdict, refused_words};
+use crate::verdict::{Verdict, best_of};
 use rockproof_model::Precision;
 use serde_json::{Value, json};
 
@@ -20,11 +20,8 @@ pub fn document(found: &Examination, verdict: &Verdict) -> Value {
         .collect();
     let (recommended, why) = match &found.other {
         Recommendation::Skipped(why) => (Value::Null, why.clone()),
-        Recommendation::Given { candidates, refused: 0 } => {
-            (Value::Null, format!("the set given is the best of {candidates}"))
-        }
         Recommendation::Given { candidates, refused } => {
-            (Value::Null, format!("the set given is the best of {candidates}, leaving out {}", refused_words(*refused)))
+            (Value::Null, format!("the set given is the best of {}", best_of(*candidates, *refused)))
         }
         Recommendation::Other(other) => (
             assessment(&other.assessed, found.model.precision),
@@ -106,7 +103,7 @@ fn pair(pair: &PairFacts<'_>) -> Value {
     json!({
         "blocks": pair.blocks,
         "overlap_m": pair.depth_m(),
-        "overlap": pair.overlap.map(|(_, meaning)| meaning.name()),
+        "overlap": pair.overlap.map(|(_, severity)| severity.name()),
         "f32": f32,
         "f64": f64,
         "passage_m": pair.passage_m,

@@ -72,7 +72,7 @@ impl Extents {
     }
 
     /// Why the units may be others than metres, if they look so.
-    pub fn doubt(&self) -> Option<String> {
+    pub fn unit_warning(&self) -> Option<String> {
         let (what, factor) = (if self.size > SIZES[1] { "millimetres" } else { "kilometres" }, self.factor()?);
         Some(format!(
             "a mean block of {} m: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert --scale {factor} --precision f64` writes it so",

@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use rockproof_model::text::noun;
 use rockproof_model::{Block, Number, Precision, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap, OverlapVisibility, rounding_depth};
+use rockproof_oracle::audit::{Audit, Auditor, Overlap, OverlapSeverity, OverlapVisibility, rounding_depth};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Overlaps named one by one.
-const MOST_NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 
 /// Which overlaps are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub fn overlaps(
     // Most pairs of a mass are apart, so nothing is kept of them.
     let audit = audited.fold(Audit::default, Audit::with).reduce(Audit::default, Audit::and);
     let found = Overlaps::of(audit, &rounding, pairs);
-    if found.meanings.iter().any(|&meaning| meaning != Meaning::Rounding) {
+    if found.severities.iter().any(|&severity| severity != OverlapSeverity::Rounding) {
         return found;
     }
     Overlaps::of(with_deepest_measured(found.audit, &auditor), &rounding, found.neighbours)
@@ -71,7 +71,7 @@ pub struct Overlaps {
     /// The audit.
     audit: Audit,
     /// What each overlap means.
-    meanings: Vec<Meaning>,
+    severities: Vec<OverlapSeverity>,
     /// The pairs that were looked at.
     neighbours: Vec<[usize; 2]>,
 }
@@ -79,13 +79,13 @@ pub struct Overlaps {
 impl Overlaps {
     /// Those of an audit of these pairs; within `rounding` m rounding decides.
     fn of(audit: Audit, rounding: &Number, neighbours: Vec<[usize; 2]>) -> Overlaps {
-        let meanings = audit.overlaps.par_iter().map(|overlap| overlap.meaning(rounding)).collect();
-        Overlaps { audit, meanings, neighbours }
+        let severities = audit.overlaps.par_iter().map(|overlap| overlap.severity(rounding)).collect();
+        Overlaps { audit, severities, neighbours }
     }
 
     /// How many overlaps make a run untrustworthy: deeper than `penetration`, or seen by no contact though more than rounding.
     pub fn lost(&self) -> usize {
-        self.count(Meaning::Lost)
+        self.count(OverlapSeverity::Lost)
     }
 
     /// The pairs that were looked at, whether they overlap or not, in ascending order.
@@ -94,68 +94,69 @@ impl Overlaps {
     }
 
     /// The pairs that overlap and were measured, in ascending order, each with what that means.
-    pub fn all(&self) -> impl Iterator<Item = (&Overlap, Meaning)> {
-        self.audit.overlaps.iter().zip(self.meanings.iter().copied())
+    pub fn all(&self) -> impl Iterator<Item = (&Overlap, OverlapSeverity)> {
+        self.audit.overlaps.iter().zip(self.severities.iter().copied())
     }
 
     /// The deepest pair that makes a run untrustworthy, of equal ones the first.
     pub fn worst_lost(&self) -> Option<&Overlap> {
-        self.worst(Meaning::Lost)
+        self.worst(OverlapSeverity::Lost)
     }
 
     /// How many overlaps mean this.
-    pub fn count(&self, meaning: Meaning) -> usize {
-        let bounded = if meaning == Meaning::Rounding { self.audit.bounded.len() } else { 0 };
-        self.meanings.iter().filter(|&&found| found == meaning).count() + bounded
+    pub fn count(&self, severity: OverlapSeverity) -> usize {
+        let bounded = if severity == OverlapSeverity::Rounding { self.audit.bounded.len() } else { 0 };
+        self.severities.iter().filter(|&&found| found == severity).count() + bounded
     }
 
-    /// How many overlaps of one meaning that were measured contacts see so well: of all that are more than rounding.
-    pub fn count_seen(&self, meaning: Meaning, sight: OverlapVisibility) -> usize {
-        self.that(|found| found == meaning).filter(|overlap| overlap.sight == sight).count()
+    /// How many overlaps of one severity that were measured contacts see so well: of all that are more than rounding.
+    pub fn count_seen(&self, severity: OverlapSeverity, sight: OverlapVisibility) -> usize {
+        self.that(|found| found == severity).filter(|overlap| overlap.sight == sight).count()
     }
 
-    /// How many overlaps of one meaning contacts see, in brackets. None that contacts hold is unseen.
-    fn sights_in_words(&self, meaning: Meaning) -> String {
+    /// How many overlaps of one severity contacts see, in brackets. None that contacts hold is unseen.
+    fn sights_in_words(&self, severity: OverlapSeverity) -> String {
         let told = OverlapVisibility::ALL.into_iter();
-        let told = told.filter(|&sight| meaning == Meaning::Lost || sight != OverlapVisibility::Unseen);
-        let counts = told.map(|sight| format!("{} {}", self.count_seen(meaning, sight), sight.name()));
+        let told = told.filter(|&sight| severity == OverlapSeverity::Lost || sight != OverlapVisibility::Unseen);
+        let counts = told.map(|sight| format!("{} {}", self.count_seen(severity, sight), sight.name()));
         format!(" ({})", counts.collect::<Vec<_>>().join(", "))
     }
 
     /// The overlaps that are meant, in the order of their pairs.
-    fn that(&self, is_meant: impl Fn(Meaning) -> bool) -> impl DoubleEndedIterator<Item = &Overlap> {
-        let all = self.audit.overlaps.iter().zip(&self.meanings);
-        all.filter(move |(_, meaning)| is_meant(**meaning)).map(|(overlap, _)| overlap)
+    fn that(&self, is_meant: impl Fn(OverlapSeverity) -> bool) -> impl DoubleEndedIterator<Item = &Overlap> {
+        let all = self.audit.overlaps.iter().zip(&self.severities);
+        all.filter(move |(_, severity)| is_meant(**severity)).map(|(overlap, _)| overlap)
     }
 
-    /// The deepest of one meaning, of several equally deep the first.
-    fn worst(&self, meaning: Meaning) -> Option<&Overlap> {
+    /// The deepest of one severity, of several equally deep the first.
+    fn worst(&self, severity: OverlapSeverity) -> Option<&Overlap> {
         // `max_by` keeps the last of several.
-        self.that(|found| found == meaning).rev().max_by(|one, two| one.depth_squared().cmp(&two.depth_squared()))
+        self.that(|found| found == severity).rev().max_by(|one, two| one.depth_squared().cmp(&two.depth_squared()))
     }
 
     /// What the audit found, in one sentence, with the deepest pair of the first count; `None` where nothing overlaps.
     pub fn sentence(&self) -> Option<String> {
         let mut parts: Vec<String> = Vec::new();
-        for meaning in Meaning::ALL {
-            let count = self.count(meaning);
+        for severity in OverlapSeverity::ALL {
+            let count = self.count(severity);
             if count == 0 {
                 continue;
             }
             let (pairs, overlap) = (noun(count, "pair", "pairs"), noun(count, "overlaps", "overlap"));
-            let said = match meaning {
-                Meaning::Lost => format!("{overlap} {}, and will pass through one another", self.why_lost()),
-                Meaning::Held => format!("{overlap} and {} held by contacts", noun(count, "is", "are")),
-                Meaning::Rounding => format!("{overlap} by no more than rounding"),
+            let said = match severity {
+                OverlapSeverity::Lost => format!("{overlap} {}, and will pass through one another", self.why_lost()),
+                OverlapSeverity::Held => format!("{overlap} and {} held by contacts", noun(count, "is", "are")),
+                OverlapSeverity::Rounding => format!("{overlap} by no more than rounding"),
             };
             let in_brackets = |worst: &Overlap| {
                 let [a, b] = worst.blocks;
                 format!(" (worst {a}–{b}, {} m)", depth(worst))
             };
             // Of rounding the deepest is measured only where it is told.
-            let worst = if parts.is_empty() { self.worst(meaning) } else { None };
+            let worst = if parts.is_empty() { self.worst(severity) } else { None };
             let worst = worst.map_or_else(String::new, in_brackets);
-            let sights = if meaning == Meaning::Rounding { String::new() } else { self.sights_in_words(meaning) };
+            let sights =
+                if severity == OverlapSeverity::Rounding { String::new() } else { self.sights_in_words(severity) };
             parts.push(format!("{count} {pairs}{worst} {said}{sights}"));
         }
         (!parts.is_empty()).then(|| parts.join("; "))
@@ -163,8 +164,9 @@ impl Overlaps {
 
     /// Which of both it is that makes overlaps lost, with their numbers where it is both. A deep one may be unseen as well.
     fn why_lost(&self) -> String {
-        let deep = self.that(|meaning| meaning == Meaning::Lost).filter(|overlap| overlap.is_deeper_than_g).count();
-        match (deep, self.count(Meaning::Lost) - deep) {
+        let deep =
+            self.that(|severity| severity == OverlapSeverity::Lost).filter(|overlap| overlap.is_deeper_than_g).count();
+        match (deep, self.count(OverlapSeverity::Lost) - deep) {
             (_, 0) => "deeper than penetration".to_owned(),
             (0, _) => "where no contact sees it".to_owned(),
             (deep, unseen) => format!("deeper than penetration ({deep}) or where no contact sees it ({unseen})"),
@@ -182,21 +184,24 @@ impl Overlaps {
         }
     }
 
-    /// The overlaps for programs: how many of each meaning; of those deeper than rounding how many contacts see, and every pair.
+    /// The overlaps for programs: how many of each severity; of those deeper than rounding how many contacts see, and every pair.
     pub fn json(&self) -> Value {
-        let told = |(_, meaning): &(&Overlap, Meaning)| *meaning != Meaning::Rounding;
-        let pair = |(overlap, meaning): (&Overlap, Meaning)| {
+        let told = |(_, severity): &(&Overlap, OverlapSeverity)| *severity != OverlapSeverity::Rounding;
+        let pair = |(overlap, severity): (&Overlap, OverlapSeverity)| {
             json!({
                 "blocks": overlap.blocks,
                 "depth_m": overlap.penetration.depth_m(),
-                "lost": meaning == Meaning::Lost,
+                "lost": severity == OverlapSeverity::Lost,
                 "contacts_see_it": overlap.sight.name(),
                 "deeper_than_penetration": overlap.is_deeper_than_g,
             })
         };
-        let [lost, held, rounding] = Meaning::ALL.map(|meaning| self.count(meaning));
+        let [lost, held, rounding] = OverlapSeverity::ALL.map(|severity| self.count(severity));
         let more_than_rounding = |sight: OverlapVisibility| {
-            [Meaning::Lost, Meaning::Held].into_iter().map(|meaning| self.count_seen(meaning, sight)).sum::<usize>()
+            [OverlapSeverity::Lost, OverlapSeverity::Held]
+                .into_iter()
+                .map(|severity| self.count_seen(severity, sight))
+                .sum::<usize>()
         };
         json!({
             "neighbours": self.audit.counts.neighbours(),
@@ -213,17 +218,17 @@ impl Overlaps {
     /// What `check` says: the line and the deepest pairs.
     pub fn report(&self) -> String {
         let mut out = format!("\n{}\n", self.line());
-        let mut worst: Vec<&Overlap> = self.that(|meaning| meaning != Meaning::Rounding).collect();
+        let mut worst: Vec<&Overlap> = self.that(|severity| severity != OverlapSeverity::Rounding).collect();
         // A stable sort: of equally deep ones the first pair first.
         worst.sort_by_cached_key(|overlap| std::cmp::Reverse(overlap.depth_squared()));
-        for overlap in worst.iter().take(MOST_NAMED) {
+        for overlap in worst.iter().take(MAX_NAMED) {
             let [a, b] = overlap.blocks;
             let deep = if overlap.is_deeper_than_g { ", deeper than penetration" } else { "" };
             let blocks = format!("{a}–{b}");
             // Writing to a String cannot fail.
             let _ = writeln!(out, "  {blocks:<11} {:>12} m  {}{deep}", depth(overlap), overlap.sight.name());
         }
-        if let Some(more) = worst.len().checked_sub(MOST_NAMED).filter(|more| *more > 0) {
+        if let Some(more) = worst.len().checked_sub(MAX_NAMED).filter(|more| *more > 0) {
             let _ = writeln!(out, "  and {more} more");
         }
         out

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use rockproof_differential::attribution::{EnginePanel, examine};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::compare::AnswerChange;
-use rockproof_differential::finding::{Cause, FAR, Finding, FindingScope};
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::finding::{Cause, FAR_FROM_TIE, Finding, FindingScope};
+use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::{Block, Precision};
 use rockproof_report::sections::CHOICES;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -74,7 +74,7 @@ impl EngineDifferences {
 pub(crate) fn is_broken(finding: &Finding) -> bool {
     let no_answer = matches!(finding.difference.change, AnswerChange::Collapsed | AnswerChange::Failure);
     let is_choice = finding.predicate().is_some_and(|predicate| CHOICES.contains(&predicate));
-    let is_far = !is_choice && finding.margin_ulps().is_some_and(|ulps| ulps.abs() > FAR);
+    let is_far = !is_choice && finding.margin_ulps().is_some_and(|ulps| ulps.abs() > FAR_FROM_TIE);
     no_answer || finding.cause == Cause::Defect || is_far
 }
 
@@ -85,7 +85,7 @@ pub(crate) fn panel() -> EnginePanel {
 }
 
 /// A pair of a model for the chain of causes.
-pub(crate) fn subject(blocks: &[&Block], number: usize, [a, b]: [usize; 2], set: &SubjectSet) -> Subject {
+pub(crate) fn subject(blocks: &[&Block], number: usize, [a, b]: [usize; 2], set: &NamedSet) -> Subject {
     Subject {
         index: number as u64,
         family: format!("blocks {a} and {b}").into(),
@@ -100,7 +100,7 @@ pub(crate) fn subject(blocks: &[&Block], number: usize, [a, b]: [usize; 2], set:
 pub(crate) fn examine_all(
     blocks: &[&Block],
     pairs: &[[usize; 2]],
-    set: &SubjectSet,
+    set: &NamedSet,
     (seen, stop): (&WorkProgress, &AtomicBool),
 ) -> Option<Vec<ExaminedPair>> {
     let panel = panel();

@@ -7,7 +7,7 @@ use rockproof_report::table::grouped;
 use rockproof_tune::{EvaluatedCandidate, Measurement, Search};
 
 /// Sets of a search that are examined, the best first, until one does better: each takes as long as the set given.
-const MOST_EXAMINED: usize = 3;
+const MAX_EXAMINED: usize = 3;
 
 /// What the search for another set came to.
 #[derive(Clone, Debug)]
@@ -22,12 +22,12 @@ pub enum Recommendation {
         refused: usize,
     },
     /// Another set.
-    Other(Box<OtherSet>),
+    Other(Box<PreferredSet>),
 }
 
 /// A set that the search prefers.
 #[derive(Clone, Debug)]
-pub struct OtherSet {
+pub struct PreferredSet {
     /// Sets that were tried.
     pub candidates: usize,
     /// Sets that the search prefers to this one, and under which the examination found the model to be no better than under the set given.
@@ -61,15 +61,15 @@ pub(crate) fn better(
         // A search that prefers the set given prefers none of those behind it.
         .take_while(|one| one.set != given.set)
         .filter(|one| one.measurement.is_better_than(&author.measurement))
-        .take(MOST_EXAMINED)
+        .take(MAX_EXAMINED)
         .collect();
     for (refused, one) in preferred.iter().enumerate() {
         let Some(assessed) = assess(&one.set)? else { return Ok(None) };
         let measured = [one.measurement.clone(), author.measurement.clone()];
         let (origin, said) = (one.origin.name(), String::new());
-        let mut other = OtherSet { candidates, refused, origin, assessed, measured, text: said };
+        let mut other = PreferredSet { candidates, refused, origin, assessed, measured, text: said };
         if other.is_better_than(given, precision) {
-            let remark = "tolerances.toml is not the set that the search calls the best: with that one the model itself does no better.";
+            let remark = "tolerances.toml is not the set that the search calls the best: with that one the whole model does no better.";
             other.text = if refused == 0 { text() } else { format!("{remark}\n\n{}", text()) };
             return Ok(Some(Recommendation::Other(Box::new(other))));
         }
@@ -77,7 +77,7 @@ pub(crate) fn better(
     Ok(Some(Recommendation::Given { candidates, refused: preferred.len() }))
 }
 
-impl OtherSet {
+impl PreferredSet {
     /// Whether the model does better with it: it is safe where it was not, or less of something is wrong and more of nothing. That the nearest rule is met by
     /// more, or that blocks sink less, is no reason to leave a set.
     fn is_better_than(&self, given: &Assessment, precision: Precision) -> bool {
@@ -85,7 +85,7 @@ impl OtherSet {
         if given.tries_contacts() && !self.assessed.tries_contacts() {
             return false;
         }
-        let [ours, theirs] = [&self.assessed, given].map(|assessed| assessed.harm(precision));
+        let [ours, theirs] = [&self.assessed, given].map(|assessed| assessed.fault_counts(precision));
         match (self.assessed.is_safe(precision), given.is_safe(precision)) {
             (true, true) => is_less(self.counts(given, precision).map(|(_, ours, theirs)| [ours, theirs])),
             (true, false) => true,
@@ -96,16 +96,15 @@ impl OtherSet {
     /// What goes wrong with it and with the set given, by its name in the plural.
     fn counts(&self, given: &Assessment, precision: Precision) -> [(&'static str, u64, u64); 6] {
         let [ours, theirs] = &self.measured;
-        let [harm, their_harm] = [&self.assessed, given].map(|assessed| assessed.harm(precision));
-        let [_, _, broken, passing, not_made] = harm;
-        let [_, _, their_broken, their_passing, their_not_made] = their_harm;
+        let [[_, _, broken, passing, not_made], [_, _, their_broken, their_passing, their_not_made]] =
+            [&self.assessed, given].map(|assessed| assessed.fault_counts(precision));
         [
             ("rules violated", ours.violated.len() as u64, theirs.violated.len() as u64),
             ("overlaps not held", ours.lost_pairs, theirs.lost_pairs),
             ("pairs broken", broken, their_broken),
             ("pairs through one another", passing, their_passing),
             ("steps that cannot be made", not_made, their_not_made),
-            ("pairs that differ, moved ones among them,", ours.differences.avoidable(), theirs.differences.avoidable()),
+            ("differing pairs (with moved copies)", ours.differences.avoidable(), theirs.differences.avoidable()),
         ]
     }
 
@@ -124,7 +123,7 @@ impl OtherSet {
         }
         let [slack, theirs_slack] = [ours, theirs].map(|measured| format!("{:.2}", measured.tightest.factor));
         if slack != theirs_slack {
-            figures.push(format!("the nearest rule met {slack} times instead of {theirs_slack}"));
+            figures.push(format!("the tightest rule met by a factor of {slack} instead of {theirs_slack}"));
         }
         figures
     }
@@ -141,8 +140,8 @@ mod tests {
     use super::*;
     use crate::{CheckedModel, Settings, WorkProgress, examine};
     use rockproof_model::Scene;
-    use rockproof_model::rules::{Rule, RuleSlack, Violation};
     use rockproof_model::scene::SceneFormat;
+    use rockproof_model::tolerance_rules::{Rule, RuleSlack, Violation};
     use rockproof_tune::{Differences, StepMeasures};
     use std::path::{Path, PathBuf};
     use std::sync::atomic::AtomicBool;
@@ -179,7 +178,7 @@ mod tests {
     fn is_better(ours: (&Assessment, Measurement), theirs: (&Assessment, Measurement)) -> bool {
         let measured = [ours.1, theirs.1];
         let (assessed, text) = (ours.0.clone(), String::new());
-        let set = OtherSet { candidates: 2, refused: 0, origin: "auto", assessed, measured, text };
+        let set = PreferredSet { candidates: 2, refused: 0, origin: "auto", assessed, measured, text };
         set.is_better_than(theirs.0, Precision::F64)
     }
 
@@ -202,7 +201,7 @@ mod tests {
         let measured = || measured(0, 0, 2.0);
         assert!(is_better((&safe, measured()), (&sunk, measured())), "safe");
         assert!(!is_better((&sunk, measured()), (&safe, measured())), "no longer safe");
-        assert!(!is_better((&sunk, measured()), (&sunk, measured())), "the same harm");
+        assert!(!is_better((&sunk, measured()), (&sunk, measured())), "the same faults");
         let violation = || {
             let remedy = String::new();
             vec![Violation { rule: Rule::Search, found: 1.0, allowed: 2.0, place: None, remedy }]

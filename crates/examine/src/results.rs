@@ -9,12 +9,12 @@ use crate::naming::Naming;
 use crate::pairs::EngineDifferences;
 use crate::recommend::Recommendation;
 use crate::verdict::{NOT_DECIDED, Verdict, mark, title};
-use crate::view::{Standing, standings, views};
+use crate::view::{BlockStatus, block_statuses, views};
 use rockproof_model::vtu::{DataArray, SCALAR, vtu};
 use rockproof_model::{Precision, ToleranceSet};
-use rockproof_oracle::audit::{Meaning, Overlap};
+use rockproof_oracle::audit::{Overlap, OverlapSeverity};
 use rockproof_report::Report;
-use rockproof_report::latex::{MOST_ROWS, latex};
+use rockproof_report::latex::{MAX_ROWS, latex};
 use rockproof_report::page::page;
 use rockproof_report::sections::{Section, SectionPart};
 use rockproof_report::table::{Table, TableCell};
@@ -38,14 +38,14 @@ pub const FILES: [&str; 9] = [
     "tolerances.tex",
 ];
 /// Rows of pairs in the page, and in the text.
-const SHOWN: [usize; 2] = [200, 20];
+const EXCERPT_LENGTH: [usize; 2] = [200, 20];
 
 /// Everything that was found of one pair under the set given.
 pub(crate) struct PairFacts<'f> {
     /// The blocks, the lower number first.
     pub(crate) blocks: [usize; 2],
     /// The overlap at the start.
-    pub(crate) overlap: Option<(&'f Overlap, Meaning)>,
+    pub(crate) overlap: Option<(&'f Overlap, OverlapSeverity)>,
     /// What differs in f32 and in f64.
     pub(crate) engines: Option<&'f [EngineDifferences; 2]>,
     /// Contacts that the tolerances change.
@@ -93,8 +93,8 @@ impl<'f> PairFacts<'f> {
             let facts = PairFacts { engines: Some(&pair.engines), tolerance: pair.tolerance, ..empty(pair.blocks) };
             all.insert(pair.blocks, facts);
         }
-        for (overlap, meaning) in found.given.overlaps.all() {
-            all.entry(overlap.blocks).or_insert_with(|| empty(overlap.blocks)).overlap = Some((overlap, meaning));
+        for (overlap, severity) in found.given.overlaps.all() {
+            all.entry(overlap.blocks).or_insert_with(|| empty(overlap.blocks)).overlap = Some((overlap, severity));
         }
         if let Some(made) = found.given.steps.made() {
             for (&blocks, &depth) in &made.passages {
@@ -117,7 +117,7 @@ impl<'f> PairFacts<'f> {
             a,
             b,
             TableCell::number(self.depth_m()),
-            text(self.overlap.map(|(_, meaning)| meaning.name().to_owned())),
+            text(self.overlap.map(|(_, severity)| severity.name().to_owned())),
             text(self.overlap.map(|(overlap, _)| overlap.sight.name().to_owned())),
             f32.total().into(),
             f32.broken.into(),
@@ -158,7 +158,7 @@ const COLUMNS: [&str; 17] = [
 
 /// What was written.
 #[derive(Clone, Debug)]
-pub struct Written {
+pub struct WrittenFiles {
     /// The document of `--format json`.
     pub document: Value,
     /// The files.
@@ -174,14 +174,14 @@ pub fn write(
     verdict: &Verdict,
     cases: &[KeptCase],
     directory: &mut Directory,
-) -> Result<Written, ExamineError> {
+) -> Result<WrittenFiles, ExamineError> {
     let pairs = PairFacts::all(found);
-    let standings = standings(found, &pairs);
+    let block_statuses = block_statuses(found, &pairs);
     let all = table_of(pairs.iter());
     let ranked = ranked(&pairs);
     let worst = |most: usize| table_of(ranked.iter().take(most).copied());
     let tolerances = tolerance_table(found);
-    let views = views((found, naming), (&pairs, &standings), (cases, directory.path()));
+    let views = views((found, naming), (&pairs, &block_statuses), (cases, directory.path()));
     let report = Report {
         title: title(found),
         verdict: lines(verdict),
@@ -202,7 +202,7 @@ pub fn write(
                     plural(ranked.len(), "pair", "pairs"),
                     pairs.len()
                 ),
-                parts: vec![SectionPart::Table(worst(SHOWN[0]), SHOWN[0])],
+                parts: vec![SectionPart::Table(worst(EXCERPT_LENGTH[0]), EXCERPT_LENGTH[0])],
             },
             Section {
                 id: "tolerances",
@@ -218,7 +218,7 @@ pub fn write(
     let set = found.recommended().map_or(&found.given.set, |other| &other.set);
     let document = document(found, verdict);
     let json = serde_json::to_string_pretty(&document)? + "\n";
-    let text = text(found, verdict, &worst(SHOWN[1]), ranked.len());
+    let text = text(found, verdict, &worst(EXCERPT_LENGTH[1]), ranked.len());
     let mut files: Vec<(String, FileKind, Vec<u8>)> = vec![
         (FILES[0].to_owned(), FileKind::Text, page(&report)?.into_bytes()),
         (FILES[1].to_owned(), FileKind::Text, text.into_bytes()),
@@ -226,12 +226,12 @@ pub fn write(
         (
             FILES[3].to_owned(),
             FileKind::Picture,
-            vtu(&frame::model(&found.model.scene, block_data(found, &pairs, &standings)))?,
+            vtu(&frame::model(&found.model.scene, block_data(found, &pairs, &block_statuses)))?,
         ),
         (FILES[4].to_owned(), FileKind::Table, all.to_csv()?),
         (FILES[5].to_owned(), FileKind::Input, as_toml(set).into_bytes()),
         (FILES[6].to_owned(), FileKind::Table, tolerances.to_csv()?),
-        (FILES[7].to_owned(), FileKind::Text, latex(&worst(MOST_ROWS), MOST_ROWS).into_bytes()),
+        (FILES[7].to_owned(), FileKind::Text, latex(&worst(MAX_ROWS), MAX_ROWS).into_bytes()),
         (FILES[8].to_owned(), FileKind::Text, latex(&tolerances, usize::MAX).into_bytes()),
     ];
     if let Recommendation::Other(other) = &found.other {
@@ -246,7 +246,7 @@ pub fn write(
         names.push(plural(cases.len(), "case", "cases"));
     }
     directory.write_all(files)?;
-    Ok(Written { document, names })
+    Ok(WrittenFiles { document, names })
 }
 
 /// All neighbouring pairs, and those that met in the steps, in ascending order: what `pairs.csv` holds.
@@ -261,11 +261,11 @@ pub fn findings_table(found: &Examination) -> Table {
 
 /// The pairs with something to say, the worst first.
 fn ranked<'p, 'f>(pairs: &'p [PairFacts<'f>]) -> Vec<&'p PairFacts<'f>> {
-    let mut ranked: Vec<_> = pairs.iter().filter(|pair| Standing::of(pair) != Standing::Sound).collect();
+    let mut ranked: Vec<_> = pairs.iter().filter(|pair| BlockStatus::of(pair) != BlockStatus::Sound).collect();
     // A stable sort: of equally bad ones the first pair first.
     ranked.sort_by(|one, two| {
         let depth = |pair: &PairFacts<'_>| pair.depth_m().unwrap_or(0.0);
-        Standing::of(one).cmp(&Standing::of(two)).then(depth(two).total_cmp(&depth(one)))
+        BlockStatus::of(one).cmp(&BlockStatus::of(two)).then(depth(two).total_cmp(&depth(one)))
     });
     ranked
 }
@@ -329,7 +329,7 @@ fn text(found: &Examination, verdict: &Verdict, worst: &Table, all: usize) -> St
         out += &format!(
             "\n## Pairs\n\nThe worst {} of {all}; all in pairs.csv.\n\n{}",
             worst.rows.len(),
-            worst.to_markdown(SHOWN[1])
+            worst.to_markdown(EXCERPT_LENGTH[1])
         );
     }
     let set = found.recommended().map_or(&found.given.set, |other| &other.set);
@@ -338,12 +338,16 @@ fn text(found: &Examination, verdict: &Verdict, worst: &Table, all: usize) -> St
 }
 
 /// Data of each block for ParaView.
-fn block_data(found: &Examination, pairs: &[PairFacts<'_>], standings: &[(Standing, String)]) -> Vec<DataArray> {
+fn block_data(
+    found: &Examination,
+    pairs: &[PairFacts<'_>],
+    block_statuses: &[(BlockStatus, String)],
+) -> Vec<DataArray> {
     let blocks = &found.model.scene.blocks;
     let mut overlap = vec![0.0f64; blocks.len()];
     let mut counts: [Vec<i64>; 5] = std::array::from_fn(|_| vec![0; blocks.len()]);
     for pair in pairs {
-        let is_lost = pair.overlap.is_some_and(|(_, meaning)| meaning == Meaning::Lost);
+        let is_lost = pair.overlap.is_some_and(|(_, severity)| severity == OverlapSeverity::Lost);
         let passes = pair.passage_m.is_some() || pair.unseen_m.is_some();
         let [f32, f64] = [Precision::F32, Precision::F64].map(|precision| pair.in_precision(precision).total() > 0);
         for block in pair.blocks {
@@ -357,7 +361,7 @@ fn block_data(found: &Examination, pairs: &[PairFacts<'_>], standings: &[(Standi
     vec![
         DataArray::integers("block", SCALAR, (0..blocks.len() as i64).collect()),
         DataArray::integers("fixed", SCALAR, blocks.iter().map(|block| i64::from(block.body.is_fixed())).collect()),
-        DataArray::integers("worst", SCALAR, standings.iter().map(|(standing, _)| *standing as i64).collect()),
+        DataArray::integers("worst", SCALAR, block_statuses.iter().map(|(standing, _)| *standing as i64).collect()),
         DataArray::floats("worst_overlap_m", SCALAR, overlap),
         DataArray::integers("lost_pairs", SCALAR, lost),
         DataArray::integers("passing_pairs", SCALAR, passes),

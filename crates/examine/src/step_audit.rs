@@ -196,10 +196,10 @@ fn unseen(
     let pair = Pair::new(&solids[0], &solids[1]);
     let is_pressed = || closed_see && closed.iter().any(|(_, contact)| pair.gap(&contact.entrance).sign.is_negative());
     // The contacts first: to find them costs a fraction of what an exact depth does.
-    if pair.classify_keeping(set, &kept).contacts.iter().any(|contact| contact.gap.is_negative()) || is_pressed() {
+    if pair.classify_with_kept(set, &kept).contacts.iter().any(|contact| contact.gap.is_negative()) || is_pressed() {
         return None;
     }
-    let overlap = Auditor::new(&solids, set).pair_keeping([0, 1], &kept).overlap?;
+    let overlap = Auditor::new(&solids, set).pair_with_kept([0, 1], &kept).overlap?;
     overlap.is_unseen(rounding).then(|| pair_depth(blocks, &overlap.penetration))
 }
 

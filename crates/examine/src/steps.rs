@@ -51,8 +51,8 @@ impl Steps {
     }
 
     /// Whether blocks passed through one another or were about to, or the steps could not be made.
-    pub fn object(&self) -> bool {
-        self.made().is_some_and(|made| made.stopped.is_some() || made.totals.objects())
+    pub fn find_fault(&self) -> bool {
+        self.made().is_some_and(|made| made.stopped.is_some() || made.totals.finds_fault())
     }
 }
 

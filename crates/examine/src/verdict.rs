@@ -8,8 +8,8 @@ use crate::pairs::ExaminedPair;
 use crate::recommend::Recommendation;
 use crate::steps::Steps;
 use rockproof_differential::external::spec::quoted;
-use rockproof_model::rules::{MeasuredModel, stiffness_slack};
 use rockproof_model::text::noun;
+use rockproof_model::tolerance_rules::{MeasuredModel, stiffness_slack};
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_report::table::grouped;
 use rockproof_report::verdict::Severity;
@@ -55,7 +55,7 @@ impl Verdict {
     /// The answer for a model that commands name so.
     pub fn of(found: &Examination, cases: &[KeptCase], naming: &Naming) -> Verdict {
         let precision = found.model.precision;
-        let doubt = found.model.extents.doubt().filter(|_| !naming.units_are_meant);
+        let doubt = found.model.extents.unit_warning().filter(|_| !naming.units_are_meant);
         let is_safe = doubt.is_none() && found.given.is_safe(precision);
         let with_other = doubt.is_none() && found.recommended().is_some_and(|other| other.is_safe(precision));
         let reasons = reasons(&found.given, found.model.scene.blocks.len(), precision, doubt.is_some());
@@ -73,7 +73,7 @@ impl Verdict {
                     found.name
                 ),
             ),
-            (false, false) if doubt.is_none() && found.given.harm(precision) == [0; 5] => {
+            (false, false) if doubt.is_none() && found.given.fault_counts(precision) == [0; 5] => {
                 (NOT_DECIDED, format!("{NOT_DECIDED}: {reasons}"))
             }
             (false, false) => ("not safe", format!("not safe: {reasons}")),
@@ -163,7 +163,7 @@ fn reasons(given: &Assessment, blocks: usize, precision: Precision, units: bool)
     if broken > 0 {
         said.push(format!("{} broken in {precision}", plural(broken, "pair", "pairs")));
     }
-    if given.steps.object() {
+    if given.steps.find_fault() {
         let passing = given.steps.made().map_or(0, |made| made.passages.len() + made.unseen.len());
         said.push(match passing {
             0 => "a step cannot be made".to_owned(),
@@ -201,8 +201,8 @@ fn model(found: &Examination, doubt: Option<&str>) -> Line {
 fn rules(given: &Assessment, scene: &Scene, name: &str, precision: Precision) -> Line {
     if given.violations.is_empty() {
         let nearest = nearest_rule(scene, &given.set, precision);
-        let nearest =
-            nearest.map_or(String::new(), |(factor, formula)| format!(", the nearest {factor:.2} times: {formula}"));
+        let nearest = nearest
+            .map_or(String::new(), |(factor, formula)| format!(", the tightest by a factor of {factor:.2}: {formula}"));
         return line("rules", Severity::Good, format!("all met by {name} in {precision}{nearest}"));
     }
     let formulas: Vec<&str> = given.violations.iter().map(|violation| violation.rule.formula()).collect();
@@ -213,7 +213,7 @@ fn rules(given: &Assessment, scene: &Scene, name: &str, precision: Precision) ->
     )
 }
 
-/// How many times the rule is met that is nearest to be broken.
+/// The tightest rule, and by what factor it is met.
 fn nearest_rule(scene: &Scene, set: &ToleranceSet, precision: Precision) -> Option<(f64, &'static str)> {
     let mut slacks = MeasuredModel::of(&scene.shapes()).slacks(set, precision);
     let mut stiff = scene.clone();
@@ -230,7 +230,7 @@ fn overlapping(given: &Assessment) -> Line {
     if overlaps.lost() > 0 {
         text += &format!("; penetration is {} m", short(given.set.penetration.approximate()));
     }
-    let held = overlaps.all().any(|(_, meaning)| meaning == rockproof_oracle::audit::Meaning::Held);
+    let held = overlaps.all().any(|(_, severity)| severity == rockproof_oracle::audit::OverlapSeverity::Held);
     let severity = match (overlaps.lost(), held) {
         (0, false) => good(given),
         (0, true) => Severity::Fair,
@@ -254,11 +254,11 @@ fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
     let arithmetic = sum(|pair, precision| pair.in_precision(precision).arithmetic);
     let defects = sum(|pair, precision| pair.in_precision(precision).defects);
     let severity = if broken > 0 && is_asked { Severity::Bad } else { Severity::Fair };
+    let beyond = if broken == 0 { "none".to_owned() } else { grouped(broken as u64) };
     let text = format!(
-        "{} of {pairs} {verb} from the exact contacts, {} by more than a tie that rounding decides (contacts: {rounding} by rounding the input, {arithmetic} by \
-         arithmetic, {defects} by mistakes in code)",
-        grouped(differ as u64),
-        grouped(broken as u64)
+        "{} of {pairs} {verb} from the exact contacts, {beyond} by more than rounding explains (contacts that differ: {rounding} by rounding the input, \
+         {arithmetic} by arithmetic, {defects} by mistakes in code)",
+        grouped(differ as u64)
     );
     line(about, severity, text)
 }
@@ -277,7 +277,7 @@ fn steps(given: &Assessment) -> Line {
         Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),
         Steps::Made(made) => made,
     };
-    let severity = match (given.steps.object(), given.tries_contacts()) {
+    let severity = match (given.steps.find_fault(), given.tries_contacts()) {
         (true, _) => Severity::Bad,
         (false, true) => Severity::Good,
         (false, false) => Severity::Fair,
@@ -291,7 +291,7 @@ fn fall(found: &Examination) -> Option<Line> {
     let fall = found.model.fall.as_ref()?;
     let [depth, allowed, height] = [fall.depth, fall.allowed, fall.height].map(short);
     let text = format!(
-        "block {} would end {depth} m deep after falling {height} m; penetration is {allowed} m: {}",
+        "block {}, falling {height} m, would end {depth} m deep, and penetration is {allowed} m: use {}",
         fall.block, fall.remedy
     );
     Some(line("fall", Severity::Fair, text))
@@ -312,25 +312,28 @@ fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Li
         Recommendation::Skipped(why) => return line("set", Severity::Fair, why.clone()),
         Recommendation::Given { candidates, refused } => {
             let severity = if found.given.is_safe(precision) { Severity::Good } else { Severity::Fair };
-            let but = if *refused == 0 { String::new() } else { format!(", leaving out {}", refused_words(*refused)) };
-            return line("set", severity, format!("{} is the best of {candidates} tried{but}", found.name));
+            let best = best_of(*candidates, *refused);
+            return line("set", severity, format!("{} is the best of {best}", found.name));
         }
         Recommendation::Other(other) => other,
     };
     let is_safe = other.assessed.is_safe(precision);
     let (file, safe) = (naming.place_of(SET, "the one recommended"), if is_safe { "safe" } else { "not safe" });
     let (origin, candidates, figures) = (other.origin, other.candidates, other.figures(&found.given, precision));
-    let best = match other.refused {
-        0 => format!("is the best of {candidates} tried"),
-        refused => format!("is the best of {candidates} tried, leaving out {}", refused_words(refused)),
-    };
-    let text = format!("{file} ({origin}) {best}, {safe}: {}", figures.join(", "));
+    let best = best_of(candidates, other.refused);
+    let text = format!("{file} ({origin}) is the best of {best}, and {safe}: {}", figures.join(", "));
     line("set", if is_safe { Severity::Good } else { Severity::Fair }, text)
 }
 
-/// Sets that a search prefers, and that are no better.
-pub(crate) fn refused_words(refused: usize) -> String {
-    format!("{refused} with which the model itself does no better")
+/// The sets tried, and how many of them the search prefers though the whole model does no better with them.
+pub(crate) fn best_of(candidates: usize, refused: usize) -> String {
+    let sets = plural(candidates, "set tried", "sets tried");
+    match refused {
+        0 => format!("the {sets}"),
+        _ => format!(
+            "the {sets}, but for {refused} that the search prefers and with which the whole model does no better"
+        ),
+    }
 }
 
 /// The command to go on with.
@@ -372,7 +375,7 @@ fn next(
         return format!("rockproof replay {}", shown(&case.file));
     }
     match found.given.steps.made() {
-        Some(made) if found.given.steps.object() => {
+        Some(made) if found.given.steps.find_fault() => {
             let steps = made.asked;
             format!("rockproof simulate {file}{given}{hold} --steps {steps} --audit --contacts")
         }

@@ -42,7 +42,7 @@ fn plainly<R: Solve>(
         let closed = state.contacts.iter().filter(|c| c.blocks.map(|b| b as usize) == pair && c.mode.is_closed());
         let closed: Vec<_> = closed.collect();
         let kept: Vec<ContactKey> = closed.iter().map(|contact| contact.key()).collect();
-        let Some(overlap) = auditor.pair_keeping(pair, &kept).overlap else { continue };
+        let Some(overlap) = auditor.pair_with_kept(pair, &kept).overlap else { continue };
         let depth = PairDepth { blocks: pair, depth_m: overlap.penetration.depth_m().expect("a depth") };
         let [a, b] = pair.map(|block| &solids[block]);
         let is_pressed =

@@ -11,7 +11,7 @@ use rockproof_campaign::run::Ending;
 use rockproof_results::{MANIFEST, Start};
 use rockproof_validation::self_comparison::paths::BuiltIn;
 use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, RecordError};
-use rockproof_validation::self_comparison::run::{Comparison, Seen};
+use rockproof_validation::self_comparison::run::{Comparison, ProgressCounts};
 use rockproof_validation::self_comparison::total::Total;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn run_into(dir: &Path, pairs: u64, start: Start) -> Result<Ending, RecordError>
     let config = PairConfig::default();
     let mut record = ComparisonRecord::open(dir, plan, &config, start)?;
     let comparison = Comparison { paths: &BuiltIn, config: &config, threads: 1 };
-    comparison.run(&mut record, &AtomicBool::new(false), &Seen::default())
+    comparison.run(&mut record, &AtomicBool::new(false), &ProgressCounts::default())
 }
 
 fn made(pairs: u64) -> BTreeMap<String, Vec<u8>> {

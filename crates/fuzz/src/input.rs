@@ -18,7 +18,7 @@ use rockproof_model::{
 /// Grid lines a metre.
 const GRID: i64 = 8;
 /// Blocks of more vertices are left out: the comparison in fractions would take too long.
-const MOST_VERTICES: usize = 12;
+const MAX_VERTICES: usize = 12;
 /// Exponents of the unit of length; the first is the usual one.
 const EXPONENTS: [i32; 12] = [0, 0, 0, 0, 0, -3, 20, -20, 300, -300, 900, -1000];
 
@@ -98,7 +98,7 @@ fn shape(u: &mut Unstructured<'_>) -> Result<Option<Shape>> {
         2 => Some(on_grid(u.choose(catalogue::convex())?.solid.shape())),
         _ => Some(on_grid(u.choose(catalogue::concave())?.solid.shape())),
     };
-    Ok(found.filter(|shape| shape.vertices.len() <= MOST_VERTICES))
+    Ok(found.filter(|shape| shape.vertices.len() <= MAX_VERTICES))
 }
 
 /// A block turned onto the grid and moved; now and then one coordinate is one last place off.

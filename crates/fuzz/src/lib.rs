@@ -25,9 +25,10 @@ mod tune_directory;
 
 pub use dice::Dice;
 pub use input::PairInput;
-pub use limits::{MOST_MEMORY, MOST_SECONDS, peak_memory};
+pub use limits::{MAX_MEMORY, MAX_SECONDS, peak_memory};
 pub use mutate::mutated;
 pub use reach::Reach;
+pub use run_directory::files;
 pub use scratch::new_folder;
 pub use seeds::{REACHES, REFUSED, corpus, seeds};
 

@@ -7,20 +7,20 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// An input may take less than so many seconds.
-pub const MOST_SECONDS: u64 = 20;
+pub const MAX_SECONDS: u64 = 20;
 /// So much memory a process may hold, in KiB.
-pub const MOST_MEMORY: u64 = 1 << 20;
+pub const MAX_MEMORY: u64 = 1 << 20;
 
 impl Target {
     /// Takes an input as [`Target::run`] does; how long it took.
     ///
     /// # Errors
-    /// When it took [`MOST_SECONDS`] or more, or the process came to hold more than [`MOST_MEMORY`] meanwhile: in this thread or in another.
+    /// When it took [`MAX_SECONDS`] or more, or the process came to hold more than [`MAX_MEMORY`] meanwhile: in this thread or in another.
     ///
     /// # Panics
     /// When something is wrong.
     pub fn run_within_limits(&self, bytes: &[u8], reach: &mut Reach) -> Result<Duration, String> {
-        within(Duration::from_secs(MOST_SECONDS), MOST_MEMORY, || self.run(bytes, reach))
+        within(Duration::from_secs(MAX_SECONDS), MAX_MEMORY, || self.run(bytes, reach))
     }
 }
 

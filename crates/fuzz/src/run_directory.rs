@@ -48,8 +48,11 @@ pub(crate) fn campaign() -> &'static BTreeMap<String, Vec<u8>> {
     })
 }
 
-/// The files of a directory and its folders, by name.
-pub(crate) fn files(dir: &Path, before: &str) -> BTreeMap<String, Vec<u8>> {
+/// The files of a directory and its folders, with `before` in front of their names.
+///
+/// # Panics
+/// When one cannot be read.
+pub fn files(dir: &Path, before: &str) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(dir).expect("a folder") {
         let path = entry.expect("an entry").path();

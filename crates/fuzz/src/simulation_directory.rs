@@ -43,7 +43,7 @@ const STEPS: u64 = 5;
 /// The steps after which it has gone on far enough.
 const MORE: u64 = 7;
 /// A run that goes on makes no more steps than this, whatever its checkpoint says is left to do.
-const MOST: u64 = 20;
+const MAX_STEPS: u64 = 20;
 
 /// The scene ready to run.
 fn scene() -> &'static (Scene, ToleranceSet) {
@@ -82,7 +82,7 @@ fn run_into(dir: &Path, steps: u64, start: Start) -> Result<Ending, (String, Str
     let run = Run { scene, begin: &begin, plan, about: Default::default() };
     let ending = run.run(&mut dynamics, &mut record, &stop, &mut |_, _| {
         made += 1;
-        stop.store(made >= MOST, Ordering::Relaxed);
+        stop.store(made >= MAX_STEPS, Ordering::Relaxed);
     });
     ending.map_err(|error| ("Run".to_owned(), error.to_string()))
 }

@@ -59,7 +59,7 @@ fn searched() -> &'static BTreeMap<String, Vec<u8>> {
         let mut record = SearchRecord::open(&dir, &identity(), Start::Fresh, &mut search).expect("a directory");
         let measurement = search.step().expect("a measurement").measurement.clone();
         record.commit(&search).expect("a table");
-        for _ in 1..search.given() + DRAWN {
+        for _ in 1..search.initial_count() + DRAWN {
             let next = search.candidate();
             search.add(next, measurement.clone());
         }

@@ -158,7 +158,7 @@ fn many_inputs_agree() {
 }
 
 /// Pairs until a mistaken stepper is looked at no further.
-const MOST: usize = 4_000;
+const MAX_PAIRS: usize = 4_000;
 /// So many of the mistakes that can show in a pair do: 89 of 92 when this was written.
 const FOUND: usize = 85;
 
@@ -169,7 +169,7 @@ fn pairs_made_of_bytes_show_mistakes_at_full_size() {
     let target = Target::named("wide_oracle").expect("a target");
     let settled = |pair: &PairInput| settled_contacts::<SpecRules>(&pair.a, &pair.b, &pair.tolerances).ok().flatten();
     let (mut left, all) = (mistakes::all(), mistakes::all().len());
-    for _ in 0..MOST {
+    for _ in 0..MAX_PAIRS {
         let Some(pair) = PairInput::of(&target.input(&mut dice)) else { continue };
         let Some(right) = settled(&pair) else { continue };
         let differs = |mistaken: &mistakes::Mistaken| {

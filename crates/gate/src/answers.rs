@@ -2,8 +2,9 @@
 
 use super::config::GateConfig;
 use super::tally::{CampaignTally, TallyRow};
-use super::{Check, Verdict, reach};
+use super::{Check, Verdict, limit_scope};
 use rockproof_differential::finding::Cause;
+use rockproof_model::text::noun;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What an external engine answered.
@@ -18,7 +19,7 @@ pub struct Answers {
 impl Answers {
     /// How many it answered, in words.
     pub fn words(&self) -> String {
-        format!("answered {} of {} pairs", self.answered, self.asked)
+        format!("answered {} of {} {}", self.answered, self.asked, noun(self.asked, "pair", "pairs"))
     }
 }
 
@@ -36,12 +37,20 @@ pub fn checks(
     let check = |spec: &rockproof_differential::external::EngineSpec| {
         let name = &spec.name;
         let answers = tally.answers(name);
-        let is_limited = config.limit.iter().any(|limit| reach::concerns(limit.get_ref(), spec));
+        let is_limited = config.limit.iter().any(|limit| limit_scope::concerns(limit.get_ref(), spec));
         let silent = answers.answered == 0 && answers.asked > 0;
         let (verdict, message) = if answers.asked == 0 {
             (Verdict::Skip, "no pair survived rounding, so it was asked about none".to_owned())
         } else if silent {
-            (Verdict::Fail, format!("answered none of {} pairs: {}", answers.asked, failures(tally, name)))
+            (
+                Verdict::Fail,
+                format!(
+                    "answered none of {} {}: {}",
+                    answers.asked,
+                    noun(answers.asked, "pair", "pairs"),
+                    failures(tally, name)
+                ),
+            )
         } else if is_limited || known || corpus.contains(name) {
             (Verdict::Pass, answers.words())
         } else {

@@ -6,7 +6,7 @@ use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::{Intrusion, StepCause};
 use rockproof_model::ContactKind;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use serde::Deserialize;
 use std::path::PathBuf;
 use toml::Spanned;
@@ -119,7 +119,7 @@ impl GateConfig {
                 [("causes", &baseline.causes, &known[..]), ("fields", &baseline.fields, &FIELDS[..])]
             {
                 if let Some(found) = list.iter().find(|name| !allowed.contains(&name.as_str())) {
-                    let found = excerpt(found, SHOWN);
+                    let found = excerpt(found, EXCERPT_LENGTH);
                     return Err(format!("{file}: baseline.{key}: \"{found}\"; allowed are {}", allowed.join(", ")));
                 }
             }
@@ -146,7 +146,7 @@ impl FindingLimit {
     fn check(&self) -> Result<(), String> {
         let one_of = |key: &str, value: &Option<String>, allowed: &[&str]| match value {
             Some(found) if !allowed.contains(&found.as_str()) => {
-                Err(format!("{key} is \"{}\"; allowed are {}", excerpt(found, SHOWN), allowed.join(", ")))
+                Err(format!("{key} is \"{}\"; allowed are {}", excerpt(found, EXCERPT_LENGTH), allowed.join(", ")))
             }
             _ => Ok(()),
         };

@@ -7,7 +7,7 @@ use rockproof_differential::engine::{Shortage, catch_panic};
 use rockproof_differential::external::protocol::completed;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::{ReplayError, ReplayedStep, StepCase, StepCause};
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -169,7 +169,7 @@ fn judge_step(case: &StepCase, engines: &Engines) -> Result<(Verdict, String), R
         return Ok((Verdict::Fail, "the oracle's answer is not the one the case expects".to_owned()));
     }
     if let Some(missing) = step.missing(case) {
-        let missing = excerpt(missing, SHOWN);
+        let missing = excerpt(missing, EXCERPT_LENGTH);
         return Ok((Verdict::Fail, format!("what the case records has no longer its cause: {missing}")));
     }
     if let Some(drift) = step.drift {

@@ -3,6 +3,7 @@
 use super::config::Baseline;
 use super::tally::{CampaignTally, ClassCount};
 use super::{CONFIDENCE, Check, Verdict};
+use rockproof_model::text::noun;
 use serde::Deserialize;
 use statrs::function::beta::checked_beta_reg;
 use std::collections::BTreeMap;
@@ -76,7 +77,8 @@ impl KnownFindings {
         for (fingerprint, count) in &now.known {
             let was = self.known.get(fingerprint);
             if run == "fixed" && was.is_none() {
-                let message = format!("{} findings that the baseline does not know", count.findings);
+                let findings = noun(count.findings, "finding", "findings");
+                let message = format!("{} {findings} that the baseline does not know", count.findings);
                 checks.push(failed(format!("new: {fingerprint}"), message, tally, baseline, fingerprint));
                 continue;
             }

@@ -7,7 +7,7 @@ pub mod corpus;
 pub mod junit;
 pub mod known_findings;
 pub mod limit_count;
-pub mod reach;
+pub mod limit_scope;
 pub mod tally;
 
 use config::{FindingLimit, GateConfig, RECOVERED, line_of};
@@ -87,16 +87,17 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
                 None => "so few pairs can never fail".to_owned(),
             };
             let message = format!(
-                "{} of {} pairs ({:.3e}), at most {rate}, {from}; by chance with probability {:.2e}",
+                "{} of {} {} ({:.3e}), at most {rate}, {from}; by chance with probability {:.2e}",
                 found.pairs,
                 found.examined,
+                noun(found.examined, "pair", "pairs"),
                 found.rate(),
                 found.chance(rate)
             );
             (found.exceeds(rate, confidence), message)
         };
         let rows = (0..tally.rows.len()).filter(|&at| failed && tally.rows[at].is_of(limit)).collect();
-        let unreached = || reach::without_cause(limit, config).or_else(|| tally.missing(limit));
+        let unreached = || limit_scope::without_cause(limit, config).or_else(|| tally.missing(limit));
         let (verdict, message) = match unreached() {
             _ if failed => (Verdict::Fail, message),
             Some(why) => (Verdict::Skip, why),

@@ -5,8 +5,8 @@
 
 use crate::block::Block;
 use crate::number::{Number, Precision};
-use crate::rules::{self, Violation};
 use crate::tolerance::{Criteria, ToleranceSet};
+use crate::tolerance_rules::{self, Violation};
 use num_traits::ToPrimitive;
 
 crate::named_enum! {
@@ -85,7 +85,7 @@ pub fn derive(preset: Preset, blocks: &[&Block], precision: Precision) -> Result
 pub fn derive_checked(preset: Preset, blocks: &[&Block], precision: Precision) -> Result<ToleranceSet, PresetError> {
     let set = derive(preset, blocks, precision)?;
     if preset == Preset::Auto {
-        let violations = rules::check(&set, blocks, precision);
+        let violations = tolerance_rules::check(&set, blocks, precision);
         if !violations.is_empty() {
             return Err(PresetError::Rules { violations });
         }

@@ -1,7 +1,7 @@
 //! Texts of others in our messages and tables: block names, file names, what an engine says.
 
 /// So many characters of a text are shown where nothing else is said.
-pub const SHOWN: usize = 200;
+pub const EXCERPT_LENGTH: usize = 200;
 
 /// A text on one line that a terminal takes for text: control characters are escaped (`\n`, `\u{1b}`), those that turn the direction of
 /// writing too, and what comes after `longest` characters is cut off.
@@ -21,7 +21,7 @@ pub fn escaped(text: &str) -> String {
 /// A line of an error with more characters is cut in the middle.
 const LONGEST_LINE: usize = 1000;
 /// An error with more lines is cut in the middle.
-const MOST_LINES: usize = 40;
+const MAX_LINES: usize = 40;
 
 /// An error whose long lines, and lines that are too many, are cut in the middle: what is wrong stands at the beginning, what is allowed at
 /// the end. Parsers quote lines of a file in full, whatever their length.
@@ -35,8 +35,8 @@ pub fn cut_in_the_middle(text: &str) -> String {
         }
     };
     let mut lines: Vec<String> = text.split('\n').map(short).collect();
-    if lines.len() > MOST_LINES {
-        lines.splice(MOST_LINES / 2..lines.len() - MOST_LINES / 2, ["…".to_owned()]);
+    if lines.len() > MAX_LINES {
+        lines.splice(MAX_LINES / 2..lines.len() - MAX_LINES / 2, ["…".to_owned()]);
     }
     lines.join("\n")
 }

@@ -1,9 +1,11 @@
 //! The tolerance set (SPEC section 3).
 
 use crate::number::{Number, Precision};
+use serde::{Deserialize, Serialize};
 
 /// Which criteria of SPEC section 4 apply.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Criteria {
     /// One radius `s` for every territory, and angles alone.
     Classic,
@@ -22,7 +24,8 @@ impl Criteria {
 }
 
 /// Every tolerance of SPEC section 3. Lengths in metres, angles as sines, `max_rotation` in radians; none negative.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ToleranceSet {
     /// s: largest gap at which a contact is recorded.
     pub search: Number,

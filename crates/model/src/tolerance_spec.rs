@@ -206,7 +206,7 @@ impl ToleranceSpec {
     }
 
     /// The set for these blocks in this precision. `auto` on its own must meet the rules; once a value overrides it,
-    /// the rules are a matter for [`crate::rules::check`].
+    /// the rules are a matter for [`crate::tolerance_rules::check`].
     ///
     /// # Errors
     /// When values are missing and no preset is named, or the preset fails.

@@ -6,7 +6,9 @@ use rockproof_model::scene::{SceneFormat, write_toml};
 use rockproof_model::simulation::{
     Control, FixedPoint, JointPair, JointProperties, Kinematics, Material, MeasuredPoint, PointLoad, Skips, Unconverged,
 };
-use rockproof_model::{Block, Body, Motion, Number, Precision, Rule, Scene, SceneBlock, Simulation, Vec3, rules};
+use rockproof_model::{
+    Block, Body, Motion, Number, Precision, Rule, Scene, SceneBlock, Simulation, Vec3, tolerance_rules,
+};
 use std::path::Path;
 
 const PAGE: &str = include_str!("../../../docs/scene.md");
@@ -33,7 +35,7 @@ fn the_example_of_the_page_says_what_it_says_and_meets_the_rules() {
     assert_eq!(scene.simulation.measured_points[0].block, 1);
     assert_eq!(scene.simulation.loads[0].table[1].1.z, number("-100"));
     let set = scene.tolerances.as_ref().unwrap().derive(&scene.shapes(), Precision::F64).unwrap();
-    assert_eq!(rules::check_scene(&set, &scene, Precision::F64), []);
+    assert_eq!(tolerance_rules::check_scene(&set, &scene, Precision::F64), []);
 }
 
 #[test]
@@ -47,7 +49,7 @@ fn the_weight_rule_ties_exactly_and_names_the_remedy() {
     let mut set = rockproof_model::ToleranceSpec::default().derive(&scene.shapes(), Precision::F64).unwrap();
     set.penetration = number("1/1000");
     let broken = |set: &_| {
-        let all = rules::check_scene(set, &scene, Precision::F64);
+        let all = tolerance_rules::check_scene(set, &scene, Precision::F64);
         all.into_iter().find(|violation| violation.rule == Rule::Stiffness)
     };
     assert_eq!(broken(&set), None);
@@ -215,7 +217,7 @@ fn handmade_cases_load_and_meet_every_rule() {
         let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
         let shapes = scene.shapes();
         let set = scene.tolerances.as_ref().unwrap().derive(&shapes, Precision::F64).unwrap();
-        assert_eq!(rules::check_scene(&set, &scene, Precision::F64), [], "{}", path.display());
+        assert_eq!(tolerance_rules::check_scene(&set, &scene, Precision::F64), [], "{}", path.display());
         count += 1;
     }
     assert!(count >= 16, "{count}");

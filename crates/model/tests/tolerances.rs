@@ -1,7 +1,8 @@
 //! Presets keep their formulas and rules; rules have one answer at ties; remedies remedy.
 
 use rockproof_model::{
-    Block, Criteria, Number, Precision, Preset, Rule, SpecError, ToleranceSet, ToleranceSpec, Vec3, preset, rules,
+    Block, Criteria, Number, Precision, Preset, Rule, SpecError, ToleranceSet, ToleranceSpec, Vec3, preset,
+    tolerance_rules,
 };
 
 fn number(text: &str) -> Number {
@@ -41,7 +42,7 @@ fn fair() -> ToleranceSet {
 
 fn violated(set: &ToleranceSet, precision: Precision) -> Vec<Rule> {
     let [a, b] = pair();
-    rules::check(set, &[&a, &b], precision).iter().map(|v| v.rule).collect()
+    tolerance_rules::check(set, &[&a, &b], precision).iter().map(|v| v.rule).collect()
 }
 
 /// The set with one tolerance changed.
@@ -105,7 +106,7 @@ fn the_rotation_rule_is_exact_where_the_radius_is_irrational() {
     let check = |rotation: f64| {
         let mut set = fair();
         set.max_rotation = Number::from_f64(rotation).unwrap();
-        rules::check(&set, &[&block], Precision::F64).iter().any(|v| v.rule == Rule::Rotation)
+        tolerance_rules::check(&set, &[&block], Precision::F64).iter().any(|v| v.rule == Rule::Rotation)
     };
     let limit = (2.0 / 16.0 / 3.0_f64.sqrt()).sqrt();
     assert!(!check(limit * (1.0 - 1e-15)));
@@ -114,9 +115,9 @@ fn the_rotation_rule_is_exact_where_the_radius_is_irrational() {
     let block = cuboid(["-1", "-2", "0"], ["1", "2", "4"]);
     let mut set = fair();
     (set.max_rotation, set.penetration) = (number("1/4"), number("3/32"));
-    assert!(rules::check(&set, &[&block], Precision::F64).is_empty());
+    assert!(tolerance_rules::check(&set, &[&block], Precision::F64).is_empty());
     set.penetration = number("9374999999999999/100000000000000000");
-    let violations = rules::check(&set, &[&block], Precision::F64);
+    let violations = tolerance_rules::check(&set, &[&block], Precision::F64);
     assert_eq!(violations.iter().map(|v| v.rule).collect::<Vec<_>>(), [Rule::Rotation]);
 }
 
@@ -134,7 +135,7 @@ fn what_a_remedy_says_satisfies_the_rule() {
             _ => "9/7",
         });
     }
-    let violations = rules::check(&set, &[&a, &b], Precision::F32);
+    let violations = tolerance_rules::check(&set, &[&a, &b], Precision::F32);
     assert_eq!(violations.len(), 8, "{violations:?}");
     for violation in violations {
         for remedy in violation.remedy.split(" or ") {
@@ -147,7 +148,7 @@ fn what_a_remedy_says_satisfies_the_rule() {
                 }
             }
             assert_ne!(better, set, "{remedy}");
-            let left = rules::check(&better, &[&a, &b], Precision::F32);
+            let left = tolerance_rules::check(&better, &[&a, &b], Precision::F32);
             assert!(left.iter().all(|v| v.rule != violation.rule), "{remedy}: {left:?}");
         }
     }
@@ -212,7 +213,7 @@ fn lengths_survive_cancellation() {
     let displacement = set.max_displacement.as_f64().unwrap();
     assert!((displacement - 5e-21).abs() < 1e-26, "{displacement:e}");
     // A sliver whose volume cancels in f64 has its radius from the exact centroid.
-    let violations = rules::check(&set, &[&block], Precision::F64);
+    let violations = tolerance_rules::check(&set, &[&block], Precision::F64);
     assert!(violations.iter().all(|v| v.rule == Rule::TerritoryResolved), "{violations:?}");
 }
 

@@ -12,8 +12,8 @@ use pyo3::types::{PyDict, PyString};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
 use rockproof_campaign::families as made;
-use rockproof_campaign::in_memory::Examined;
-use rockproof_campaign::journal::Seen;
+use rockproof_campaign::in_memory::CampaignOutcome;
+use rockproof_campaign::journal::ProgressCounts;
 use rockproof_campaign::run::Campaign;
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_campaign::summary::SummaryRow;
@@ -31,14 +31,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// The most worker threads; more of them than cores gain nothing.
-const MOST_THREADS: usize = 1024;
+const MAX_THREADS: usize = 1024;
 
 /// A campaign that is done, as `Results` reads it.
 #[pyclass(frozen, module = "rockproof")]
 pub(crate) struct CampaignRun {
     source: FamilySource,
     pairs: u64,
-    found: Examined,
+    found: CampaignOutcome,
     seconds: f64,
 }
 
@@ -190,9 +190,9 @@ pub(crate) fn run_campaign(
     if settings.pairs == 0 {
         return Err(InputError::new_err("pairs is 0; allowed are 1 and more"));
     }
-    if settings.threads > MOST_THREADS {
+    if settings.threads > MAX_THREADS {
         return Err(InputError::new_err(format!(
-            "threads is {}; allowed are 1 to {MOST_THREADS}, and 0 for one a core",
+            "threads is {}; allowed are 1 to {MAX_THREADS}, and 0 for one a core",
             settings.threads
         )));
     }
@@ -245,7 +245,7 @@ pub(crate) fn run_campaign(
     let panel =
         EnginePanel { oracle: Box::new(BuiltinOracle), engines: all(), metamorphic_every: config.metamorphic_every };
     let started = Instant::now();
-    let seen = Seen::default();
+    let seen = ProgressCounts::default();
     let counted = |count: &AtomicU64| count.load(Ordering::Relaxed);
     let tick = |py: Python<'_>| match &progress {
         None => Ok(()),

@@ -11,9 +11,9 @@ use num_rational::BigRational;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rockproof_model::text::noun;
-use rockproof_model::{Block, Precision, ToleranceSet, Violation as BrokenRule, rules};
+use rockproof_model::{Block, Precision, ToleranceSet, Violation as BrokenRule, tolerance_rules};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Audit, Auditor, Meaning, Overlap as FoundOverlap, rounding_depth};
+use rockproof_oracle::audit::{Audit, Auditor, OverlapSeverity, Overlap as FoundOverlap, rounding_depth};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A rule that the tolerances break.
@@ -92,10 +92,10 @@ pub(crate) struct Overlap {
 }
 
 impl Overlap {
-    pub(crate) fn new(found: &FoundOverlap, meaning: Meaning) -> Overlap {
+    pub(crate) fn new(found: &FoundOverlap, severity: OverlapSeverity) -> Overlap {
         Overlap {
             blocks: (found.blocks[0], found.blocks[1]),
-            meaning: meaning.name(),
+            meaning: severity.name(),
             sight: found.sight.name(),
             is_deeper_than_penetration: found.is_deeper_than_g,
             depth_m: found.penetration.depth_m().unwrap_or(f64::INFINITY),
@@ -200,11 +200,11 @@ pub(crate) fn check(
             }
         }
         let violations: Vec<Violation> =
-            rules::check_scene(&set, &model.scene, precision).iter().map(Violation::from).collect();
+            tolerance_rules::check_scene(&set, &model.scene, precision).iter().map(Violation::from).collect();
         let (overlaps, neighbours) = overlaps(&shapes, &set, stop);
-        let is_sound = violations.is_empty() && overlaps.iter().all(|overlap| overlap.meaning != Meaning::Lost.name());
-        let fall = rules::fall(&set, &model.scene).map(|fall| {
-            let rules::Fall { block, weight, height, stiffness, needed, depth, allowed, remedy } = fall;
+        let is_sound = violations.is_empty() && overlaps.iter().all(|overlap| overlap.meaning != OverlapSeverity::Lost.name());
+        let fall = tolerance_rules::fall(&set, &model.scene).map(|fall| {
+            let tolerance_rules::Fall { block, weight, height, stiffness, needed, depth, allowed, remedy } = fall;
             Fall { block, weight, height, stiffness, needed, depth, allowed, remedy }
         });
         Ok(CheckReport { is_sound, violations, overlaps, fall, tolerances: Tolerances(set.into()), neighbours })
@@ -221,6 +221,6 @@ fn overlaps(blocks: &[&Block], set: &ToleranceSet, stop: &AtomicBool) -> (Vec<Ov
     // Where it was stopped the signal is raised instead.
     let audit = Audit::of(audited.unwrap_or_default());
     let rounding = rounding_depth(blocks, Precision::F64);
-    let told = |found: &FoundOverlap| Overlap::new(found, found.meaning(&rounding));
+    let told = |found: &FoundOverlap| Overlap::new(found, found.severity(&rounding));
     (audit.overlaps.iter().map(told).collect(), audit.counts.neighbours())
 }

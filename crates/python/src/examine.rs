@@ -16,9 +16,9 @@ use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Start};
 use std::path::{Path, PathBuf};
 
 /// The most worker threads; more of them than cores gain nothing.
-const MOST_THREADS: usize = 1024;
+const MAX_THREADS: usize = 1024;
 /// The most tolerance sets tried.
-const MOST_CANDIDATES: u32 = 10_000;
+const MAX_CANDIDATES: u32 = 10_000;
 /// The file that a model made in Python is written to.
 const MODEL: &str = "model.toml";
 
@@ -62,7 +62,7 @@ impl ExaminationRun {
     /// The blocks that overlap, by their numbers.
     #[getter]
     fn overlaps(&self) -> Vec<Overlap> {
-        self.found.given.overlaps.all().map(|(found, meaning)| Overlap::new(found, meaning)).collect()
+        self.found.given.overlaps.all().map(|(found, severity)| Overlap::new(found, severity)).collect()
     }
 
     /// The complete tolerances that the model was examined with.
@@ -183,14 +183,14 @@ pub(crate) fn run_examination(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<ExaminationRun> {
     let precision = self::precision(precision)?;
-    if candidates > MOST_CANDIDATES {
+    if candidates > MAX_CANDIDATES {
         return Err(InputError::new_err(format!(
-            "candidates is {candidates}; allowed are 1 to {MOST_CANDIDATES}, and 0 for no search"
+            "candidates is {candidates}; allowed are 1 to {MAX_CANDIDATES}, and 0 for no search"
         )));
     }
-    if threads > MOST_THREADS {
+    if threads > MAX_THREADS {
         return Err(InputError::new_err(format!(
-            "threads is {threads}; allowed are 1 to {MOST_THREADS}, and 0 for one a core"
+            "threads is {threads}; allowed are 1 to {MAX_THREADS}, and 0 for one a core"
         )));
     }
     let spec = spec_of(tolerances, model.scene.tolerances.as_ref())?;

@@ -10,7 +10,7 @@ use rockproof_model::number_text::DIGIT_LIMIT;
 use rockproof_model::{Number, Vec3};
 
 /// Bits of a numerator or denominator of [`DIGIT_LIMIT`] decimal digits.
-const MOST_BITS: u64 = DIGIT_LIMIT as u64 * 3322 / 1000;
+const MAX_BITS: u64 = DIGIT_LIMIT as u64 * 3322 / 1000;
 
 /// The exact value of a Python number: float (also NumPy's, of any width), int, `Fraction`, `Decimal`, or a text such as `"0.1"` and `"1/3"`.
 /// `what` names it in messages.
@@ -52,7 +52,7 @@ pub(crate) fn number(value: &Bound<'_, PyAny>, what: impl Fn() -> String) -> PyR
     if denominator.is_zero() {
         return Err(refuse("it divides by zero".to_owned()));
     }
-    if numerator.bits().max(denominator.bits()) > MOST_BITS {
+    if numerator.bits().max(denominator.bits()) > MAX_BITS {
         return Err(refuse(format!("it has more than {DIGIT_LIMIT} digits")));
     }
     Ok(Number::from_rational(BigRational::new(numerator, denominator)))

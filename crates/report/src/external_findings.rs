@@ -4,7 +4,7 @@ use super::load::CampaignRun;
 use super::table::grouped;
 use super::verdict::{Severity, VerdictLine};
 use rockproof_differential::compare::AnswerChange;
-use rockproof_differential::finding::{Cause, FAR};
+use rockproof_differential::finding::{Cause, FAR_FROM_TIE};
 use rockproof_differential::row::FindingRow;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct EngineFindings {
     /// All of them.
     pub findings: u64,
-    /// Wrong contacts or states more than [`FAR`] roundoffs from every tie around them, and contacts with a block far away.
+    /// Wrong contacts or states more than [`FAR_FROM_TIE`] roundoffs from every tie around them, and contacts with a block far away.
     pub far: u64,
     /// Gaps and normals off by more than the accuracy that the engine states.
     pub inaccurate: u64,
@@ -38,7 +38,7 @@ impl EngineFindings {
             AnswerChange::Unsupported => self.unsupported += 1,
             AnswerChange::Gap | AnswerChange::Normal => self.inaccurate += 1,
             AnswerChange::FarBlock => self.far += 1,
-            _ if row.margin_ulps.is_some_and(|ulps| ulps.abs() > FAR) => self.far += 1,
+            _ if row.margin_ulps.is_some_and(|ulps| ulps.abs() > FAR_FROM_TIE) => self.far += 1,
             _ => {}
         }
     }
@@ -53,7 +53,7 @@ impl EngineFindings {
             return VerdictLine { severity, text };
         }
         let wrong = [
-            (self.far, format!("beyond {} roundoffs from any tie", grouped(FAR as u64))),
+            (self.far, format!("beyond {} roundoffs from any tie", grouped(FAR_FROM_TIE as u64))),
             (self.inaccurate, "with a gap or normal off by more than the accuracy it states".to_owned()),
             (self.unanswered, "without a usable answer".to_owned()),
         ];

@@ -4,7 +4,7 @@ use super::table::{Table, TableCell};
 use std::ops::RangeInclusive;
 
 /// How many rows at most are printed of a table that the page does not show.
-pub const MOST_ROWS: usize = 60;
+pub const MAX_ROWS: usize = 60;
 
 /// The table as a `tabular`, at most `most` rows of it, for `\input` inside of a float of the paper's own. What it shows, and which rows are left
 /// out, stands in comments.

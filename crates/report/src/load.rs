@@ -20,7 +20,7 @@ use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_differential::row::FindingRow;
 use rockproof_model::files::{read_text, refuse_what_is_no_file};
-use rockproof_model::text::{SHOWN, escaped, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, escaped, excerpt};
 use rockproof_results::is_inside;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -252,7 +252,7 @@ impl CampaignRun {
             let finding: FindingRow = row.parsed()?;
             if !finding.case.is_empty() && !is_inside(&finding.case) {
                 return Err(row.invalid_row(
-                    &format!("case is \"{}\"", excerpt(&finding.case, SHOWN)),
+                    &format!("case is \"{}\"", excerpt(&finding.case, EXCERPT_LENGTH)),
                     "the name of a file in the directory of the run, as cases/NAME.toml",
                 ));
             }

@@ -45,7 +45,8 @@ pub(super) fn lockstep_lines(runs: &[LockstepRun]) -> Vec<VerdictLine> {
 /// What audits found of passages and unseen overlaps: bad where a run has one, good where all were audited, passages were looked for, there are
 /// none, nothing stayed undecided, and every run came to its end. `None` without a run.
 pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
-    let objecting: Vec<&MotionRun> = runs.iter().filter(|run| run.audit().is_some_and(AuditTotals::objects)).collect();
+    let objecting: Vec<&MotionRun> =
+        runs.iter().filter(|run| run.audit().is_some_and(AuditTotals::finds_fault)).collect();
     let of = |run: &MotionRun| {
         let cut = run.cut_short().map_or(String::new(), |cut| format!("{cut}; "));
         format!("{}: {cut}{}", run.name, run.sentence())

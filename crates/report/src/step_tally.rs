@@ -6,7 +6,7 @@ use super::rows::CsvTable;
 use rockproof_campaign::steps::{STEP_FINDING_COLUMNS, StepFindingRow};
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::{Intrusion, StepCause};
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_results::is_inside;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -135,7 +135,7 @@ impl StepTally {
             let finding: StepFindingRow = row.parsed()?;
             if !finding.case.is_empty() && !is_inside(&finding.case) {
                 return Err(row.invalid_row(
-                    &format!("case is \"{}\"", excerpt(&finding.case, SHOWN)),
+                    &format!("case is \"{}\"", excerpt(&finding.case, EXCERPT_LENGTH)),
                     "the name of a file in the directory of the run, as cases/NAME.json",
                 ));
             }

@@ -1,6 +1,6 @@
 //! Tables as they go into the page, into CSV files and into Markdown: one source for all three, and for [`super::latex`].
 
-use rockproof_model::text::{SHOWN, csv_cell, excerpt, noun};
+use rockproof_model::text::{EXCERPT_LENGTH, csv_cell, excerpt, noun};
 use serde::Serialize;
 
 /// What a cell holds.
@@ -59,8 +59,8 @@ impl TableCell {
     pub fn shown(&self) -> String {
         match self {
             TableCell::Empty => "–".to_owned(),
-            TableCell::Text(text) => excerpt(text, SHOWN),
-            TableCell::Scope(scope) => excerpt(&concerned(scope), SHOWN),
+            TableCell::Text(text) => excerpt(text, EXCERPT_LENGTH),
+            TableCell::Scope(scope) => excerpt(&concerned(scope), EXCERPT_LENGTH),
             TableCell::Count(count) => grouped(*count),
             TableCell::Share(share) => percent(*share),
             TableCell::Number(number) => short(*number),

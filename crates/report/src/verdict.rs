@@ -6,8 +6,8 @@ mod tests;
 use super::external_findings;
 use super::load::{CampaignRun, Results, agreeing_share};
 use super::motion_verdict::{cut_line, lockstep_lines, motion_line};
+use super::safe_levels::{SafeLevels, safe_levels};
 use super::step_verdict::step_line;
-use super::stress_reach::{Reach, reach};
 use super::table::{counted, label, percent};
 use rockproof_campaign::stress::PairAlignment;
 use rockproof_differential::agreement::{AgreementCounts, ChainSpan};
@@ -42,13 +42,13 @@ fn line(severity: Severity, text: String) -> VerdictLine {
 }
 
 /// Lines of the verdict, those about external engines and bad ones apart.
-const MOST: usize = 4;
+const MAX_LINES: usize = 4;
 
 /// The lines. A bad one is never left out.
 pub fn verdict(results: &Results) -> Vec<VerdictLine> {
     let mut lines = Vec::new();
     let external = external_findings::lines(&results.campaigns);
-    let most = MOST + external.len();
+    let most = MAX_LINES + external.len();
     if !results.campaigns.is_empty() {
         lines.push(right(&results.campaigns));
         if results.stresses.is_empty() {
@@ -99,15 +99,15 @@ fn times(results: &Results) -> Option<VerdictLine> {
 fn stress(results: &Results) -> Vec<VerdictLine> {
     let limits = || results.stresses.iter().flat_map(|run| &run.limits);
     let engines: BTreeSet<&str> = limits().map(|limit| &*limit.curve.engine).collect();
-    let of = |engine: &str, form| -> Reach {
-        reach(limits().filter(|limit| limit.curve.engine == engine && limit.curve.form == form))
+    let of = |engine: &str, form| -> SafeLevels {
+        safe_levels(limits().filter(|limit| limit.curve.engine == engine && limit.curve.form == form))
     };
     let mut lines: Vec<VerdictLine> = engines
         .iter()
         .rev()
         .take(2)
         .map(|engine| {
-            let Reach { safe, never, untold } = of(engine, PairAlignment::Generic);
+            let SafeLevels { safe, never, untold } = of(engine, PairAlignment::Generic);
             let mut words = match (safe.is_empty(), untold.is_empty()) {
                 (false, _) => format!("safe {}", safe.join("; ")),
                 (true, false) => "no way tried is known to be safe".to_owned(),
@@ -128,7 +128,7 @@ fn stress(results: &Results) -> Vec<VerdictLine> {
         })
         .collect();
     let nowhere = |engine: &&str| {
-        let Reach { safe, untold, .. } = of(engine, PairAlignment::Aligned);
+        let SafeLevels { safe, untold, .. } = of(engine, PairAlignment::Aligned);
         safe.is_empty() && untold.is_empty()
     };
     let tied: Vec<&str> = engines.iter().copied().filter(nowhere).collect();
@@ -190,7 +190,7 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
 
 /// So many pairs without a mistake must there be before that is called well: a mistake that shows in one pair of a hundred shows in one of these with
 /// 95 % (1 − 0.99³⁰⁰).
-const LEAST: u64 = 300;
+const MIN_PAIRS: u64 = 300;
 
 /// How many pairs campaigns examined, in words, and which part of how many that is.
 fn pairs_in_words(campaigns: &[CampaignRun]) -> String {
@@ -208,12 +208,12 @@ fn counted_pairs(campaigns: &[CampaignRun]) -> u64 {
 
 /// A line that no mistake was found: well only where there were pairs enough.
 fn none_found(campaigns: &[CampaignRun], text: &str) -> VerdictLine {
-    if counted_pairs(campaigns) >= LEAST {
+    if counted_pairs(campaigns) >= MIN_PAIRS {
         return line(Severity::Good, text.to_owned());
     }
     line(
         Severity::Fair,
-        format!("{text} So few pairs tell little: {LEAST} show a mistake of one pair in a hundred with 95 %."),
+        format!("{text} So few pairs tell little: {MIN_PAIRS} show a mistake of one pair in a hundred with 95 %."),
     )
 }
 

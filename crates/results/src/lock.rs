@@ -2,7 +2,7 @@
 
 use super::error::ResultsError;
 use super::manifest::Owner;
-use super::unprotected::tell;
+use super::unprotected::notify;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -34,7 +34,7 @@ impl Lock {
     pub(crate) fn take(dir: &Path, owner: Owner) -> Result<Lock, ResultsError> {
         let (lock, protects) = Lock::take_by(File::try_lock, dir, owner)?;
         if !protects {
-            tell(dir);
+            notify(dir);
         }
         Ok(lock)
     }

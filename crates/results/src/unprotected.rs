@@ -16,7 +16,7 @@ pub fn on_unprotected(listener: fn(&Path)) {
 }
 
 /// Tells of a directory.
-pub(crate) fn tell(dir: &Path) {
+pub(crate) fn notify(dir: &Path) {
     let Some(listener) = LISTENER.get() else { return };
     if TOLD.lock().unwrap_or_else(PoisonError::into_inner).insert(dir.to_owned()) {
         listener(dir);
@@ -33,14 +33,14 @@ mod tests {
     #[test]
     fn a_directory_is_told_once() {
         let dirs = [Path::new("told/a"), Path::new("told/b")];
-        tell(dirs[0]);
+        notify(dirs[0]);
         on_unprotected(|dir| {
             let is_ours = dir.starts_with("told");
             HEARD.fetch_add(is_ours.into(), Ordering::SeqCst);
         });
         on_unprotected(|_| panic!("a second listener"));
         for dir in [dirs[0], dirs[1], dirs[0], dirs[1]] {
-            tell(dir);
+            notify(dir);
         }
         assert_eq!(HEARD.load(Ordering::SeqCst), 2);
     }

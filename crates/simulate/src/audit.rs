@@ -132,7 +132,7 @@ impl AuditTotals {
     }
 
     /// Whether blocks passed through one another or were about to: a passage, or an overlap that no contact saw.
-    pub fn objects(&self) -> bool {
+    pub fn finds_fault(&self) -> bool {
         self.steps_unseen > 0 || self.passages.is_some_and(|passages| passages > 0)
     }
 
@@ -140,7 +140,7 @@ impl AuditTotals {
     pub fn sentence(&self) -> String {
         let deepest = match self.deepest {
             None => "no overlap after any step".to_owned(),
-            deepest => format!("deepest overlap of all{}", worst_pair_note(deepest)),
+            deepest => format!("deepest overlap{}", worst_pair_note(deepest)),
         };
         format!("{}; {deepest}", self.verdict())
     }
@@ -153,7 +153,7 @@ impl AuditTotals {
             let pairs = if count == 1 { "1 pair overlaps".to_owned() } else { format!("up to {count} pairs overlap") };
             let worst = worst_pair_note(self.worst_unseen);
             parts.push(format!(
-                "{pairs} where no contact sees it, after {steps} of {all} {}{worst}",
+                "{pairs} unseen by contacts after {steps} of {all} {}{worst}",
                 noun(all, "step", "steps")
             ));
         }
@@ -162,18 +162,14 @@ impl AuditTotals {
             let worst = worst_pair_note(self.worst_passage);
             parts.push(format!("{passages} {} within a step{worst}", noun(passages, "passage", "passages")));
         }
-        if self.objects() {
+        if self.finds_fault() {
             parts[0].insert_str(0, "blocks pass through one another: ");
         } else {
-            let none = if self.passages.is_some() { ", and no passage within one" } else { "" };
-            parts.push(format!(
-                "contacts see every overlap after {} {}{none}",
-                self.steps,
-                noun(self.steps, "step", "steps")
-            ));
+            let none = if self.passages.is_some() { " and no passage" } else { "" };
+            parts.push(format!("no unseen overlap{none} in {} {}", self.steps, noun(self.steps, "step", "steps")));
         }
         match self.undecided {
-            None => parts.push("passages within steps not looked for (--audit does)".to_owned()),
+            None => parts.push("passages not looked for (--audit does)".to_owned()),
             Some(0) => {}
             Some(undecided) => parts.push(format!("{undecided} {} undecided", noun(undecided, "passage", "passages"))),
         }
@@ -215,24 +211,24 @@ mod tests {
     fn a_run_is_told_by_its_worst_pairs_and_the_first_steps_that_have_them() {
         let mut totals = AuditTotals::default();
         totals.add(0, &StepAudit { passages: passing(vec![], 0), ..StepAudit::default() });
-        assert!(!totals.objects());
-        let nothing = "contacts see every overlap after 1 step, and no passage within one; no overlap after any step";
+        assert!(!totals.finds_fault());
+        let nothing = "no unseen overlap and no passage in 1 step; no overlap after any step";
         assert_eq!(totals.sentence(), nothing);
         assert_eq!(totals.deepest_in_words(), "none: no two blocks overlap after any step");
         let held = StepAudit { deepest: Some(pair(0, 1, 0.5)), passages: passing(vec![], 0), ..StepAudit::default() };
         totals.add(1, &held);
         totals.add(2, &held);
-        assert!(!totals.objects());
-        assert!(totals.sentence().ends_with("; deepest overlap of all (worst 0–1, 0.5000 m, step 1)"));
+        assert!(!totals.finds_fault());
+        assert!(totals.sentence().ends_with("; deepest overlap (worst 0–1, 0.5000 m, step 1)"));
         assert_eq!(totals.deepest_in_words(), "0.5000 m at most, of blocks 0 and 1 in step 1");
         totals.add(3, &StepAudit { unseen: vec![pair(2, 3, 1e-5), pair(4, 5, 1e-6)], ..held.clone() });
         totals.add(4, &StepAudit { unseen: vec![pair(4, 5, 2e-5)], ..held.clone() });
         let passed = StepAudit { passages: passing(vec![pair(6, 7, 0.25)], 3), ..held.clone() };
         totals.add(5, &passed);
-        assert!(totals.objects());
-        let expected = "blocks pass through one another: up to 2 pairs overlap where no contact sees it, after 2 of 6 steps \
+        assert!(totals.finds_fault());
+        let expected = "blocks pass through one another: up to 2 pairs overlap unseen by contacts after 2 of 6 steps \
                         (worst 4–5, 2.000e-5 m, step 4); 1 passage within a step (worst 6–7, 0.2500 m, step 5); 3 passages \
-                        undecided; deepest overlap of all (worst 0–1, 0.5000 m, step 1)";
+                        undecided; deepest overlap (worst 0–1, 0.5000 m, step 1)";
         assert_eq!(totals.sentence(), expected);
         assert_eq!(passed.cells(), ["0", "0.5", "1", "3"]);
     }
@@ -243,11 +239,11 @@ mod tests {
         let found = StepAudit { unseen: vec![pair(0, 2, 0.5), pair(1, 2, 0.5)], ..StepAudit::default() };
         assert_eq!(found.cells(), ["2", "0.0", "", ""]);
         totals.add(1, &StepAudit::default());
-        let nothing = "contacts see every overlap after 1 step; passages within steps not looked for (--audit does)";
+        let nothing = "no unseen overlap in 1 step; passages not looked for (--audit does)";
         assert_eq!(totals.verdict(), nothing);
         totals.add(2, &found);
         // Of equal ones the first.
-        assert!(totals.objects() && totals.verdict().contains("after 1 of 2 steps (worst 0–2, 0.5000 m, step 2)"));
+        assert!(totals.finds_fault() && totals.verdict().contains("after 1 of 2 steps (worst 0–2, 0.5000 m, step 2)"));
         assert_eq!((totals.passages, totals.undecided), (None, None));
     }
 
@@ -256,6 +252,6 @@ mod tests {
         let mut totals = AuditTotals::default();
         totals.add(-19, &StepAudit { deepest: Some(pair(0, 1, 0.5)), ..StepAudit::default() });
         let sentence = totals.sentence();
-        assert!(sentence.ends_with("all (worst 0–1, 0.5000 m, settling step -19 (the last is 0))"), "{sentence}");
+        assert!(sentence.ends_with("overlap (worst 0–1, 0.5000 m, settling step -19 (the last is 0))"), "{sentence}");
     }
 }

@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 pub const INTRUSIONS: &str = "intrusions.csv";
 
 /// So many of each sort are kept at most.
-const MOST: usize = 3;
+const MAX_OF_A_KIND: usize = 3;
 
 /// A passage or an unseen overlap of a run, and where its step began.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,7 +58,7 @@ impl WorstIntrusions {
         let is_deeper = |one: &WorstIntrusion| pair.depth_m > one.depth_m.0;
         match of_sort.clone().find(|one| one.blocks == pair.blocks) {
             Some(known) => is_deeper(known),
-            None => of_sort.clone().count() < MOST || of_sort.any(is_deeper),
+            None => of_sort.clone().count() < MAX_OF_A_KIND || of_sort.any(is_deeper),
         }
     }
 
@@ -69,7 +69,7 @@ impl WorstIntrusions {
         self.0.push(intrusion);
         self.0.sort_by(|one, other| one.change.cmp(&other.change).then_with(|| one.cmp(other)));
         for change in ["passage", "unseen"] {
-            let mut left = MOST;
+            let mut left = MAX_OF_A_KIND;
             self.0.retain(|one| one.change != change || left.checked_sub(1).map(|fewer| left = fewer).is_some());
         }
     }

@@ -2,9 +2,9 @@
 
 use crate::contact::asked::asking;
 use crate::contact::{
-    ClassificationRequest, Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_keeping,
+    ClassificationRequest, Collapsed, ContactRules, PreparedBlock, ToleranceOverflow, Tolerances, classify_with_kept,
 };
-use crate::deferred::{Deferred, noted};
+use crate::lazy_wide::{LazyWide, noted};
 use crate::real::Real;
 use crate::wide::{Wide, count_unsettled, settled};
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
@@ -86,7 +86,7 @@ pub fn contacts_in<R: Real, M: ContactRules>(
     b: &Block,
     t: &ToleranceSet,
 ) -> Result<Vec<Contact>, EngineError> {
-    contacts_keeping::<R, M>(a, b, t, &[])
+    contacts_with_kept::<R, M>(a, b, t, &[])
 }
 
 /// The contacts of a pair in [`Wide`] by the rules `M`, preparation of both blocks included, and the number of unsettled
@@ -113,7 +113,7 @@ pub fn settled_contacts<M: ContactRules>(
     b: &Block,
     t: &ToleranceSet,
 ) -> Result<Option<Vec<Contact>>, EngineError> {
-    let sooner = noted(|| settled(|| contacts_in::<Deferred, M>(a, b, t)));
+    let sooner = noted(|| settled(|| contacts_in::<LazyWide, M>(a, b, t)));
     sooner.unwrap_or_else(|| settled(|| contacts_in::<Wide, M>(a, b, t))).transpose()
 }
 
@@ -144,15 +144,15 @@ fn departures_in_turn<M: ContactRules>(
     t: &ToleranceSet,
     expected: &[ExpectedContact],
 ) -> Result<Vec<ContactKey>, EngineError> {
-    let (a, b, t) = (PreparedBlock::new(a)?, PreparedBlock::new(b)?, Tolerances::<Deferred>::new(t)?);
+    let (a, b, t) = (PreparedBlock::new(a)?, PreparedBlock::new(b)?, Tolerances::<LazyWide>::new(t)?);
     let classified =
-        || M::contacts(ClassificationRequest::<Deferred> { a: &a, b: &b, tolerances: &t, kept: &[], among: None });
+        || M::contacts(ClassificationRequest::<LazyWide> { a: &a, b: &b, tolerances: &t, kept: &[], among: None });
     let alone = asking(expected.iter().map(|(key, _)| *key).collect(), classified);
     let is_as_expected = |(key, contact): &ExpectedContact| {
         let found = alone.iter().find(|found| found.contact.key == *key);
         found.map(|found| found.contact) == *contact && found.is_none_or(|found| !M::overlaps(found.gap))
     };
-    if Deferred::is_given_up() || expected.iter().all(is_as_expected) {
+    if LazyWide::is_given_up() || expected.iter().all(is_as_expected) {
         return Ok(Vec::new());
     }
     let contacts: Vec<Contact> = classified().into_iter().map(|found| found.contact).collect();
@@ -171,12 +171,12 @@ fn departures(contacts: &[Contact], expected: &[ExpectedContact]) -> Vec<Contact
 ///
 /// # Panics
 /// When a kept contact names a feature that its block does not have.
-pub fn contacts_keeping<R: Real, M: ContactRules>(
+pub fn contacts_with_kept<R: Real, M: ContactRules>(
     a: &Block,
     b: &Block,
     t: &ToleranceSet,
     kept: &[ContactKey],
 ) -> Result<Vec<Contact>, EngineError> {
     let (a, b, t) = (PreparedBlock::<R>::new(a)?, PreparedBlock::<R>::new(b)?, Tolerances::<R>::new(t)?);
-    Ok(classify_keeping::<R, M>(&a, &b, &t, kept).into_iter().map(|found| found.contact).collect())
+    Ok(classify_with_kept::<R, M>(&a, &b, &t, kept).into_iter().map(|found| found.contact).collect())
 }

@@ -5,17 +5,17 @@
 //! code from a difference that rounding made. Nothing here uses the exact oracle or its arithmetic.
 
 pub mod contact;
-mod deferred;
 pub mod dynamics;
 pub mod engine;
+mod lazy_wide;
 mod motion_interval;
 pub mod real;
 pub mod vector;
 pub mod wide;
 
 pub use contact::{
-    ClassificationRequest, Collapsed, ComputedContact, PreparedBlock, Tolerances, classify, classify_keeping,
-    classify_traced,
+    ClassificationRequest, Collapsed, ComputedContact, PreparedBlock, Tolerances, classify, classify_traced,
+    classify_with_kept,
 };
 pub use engine::{Classifier, EngineError, Stepper};
 pub use real::Real;

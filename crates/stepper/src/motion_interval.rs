@@ -22,7 +22,7 @@ const ROUNDING: f64 = 1.0 / 4_194_304.0;
 /// More than underflow of f32 takes.
 const UNDERFLOW: f64 = 1e-38;
 /// Lengths (m) and quotients beyond this are not calculated with: products of four must not overflow in f32.
-const MOST: f64 = 1e9;
+const MAX_MAGNITUDE: f64 = 1e9;
 
 thread_local! {
     static OPEN: Cell<bool> = const { Cell::new(false) };
@@ -80,7 +80,7 @@ impl MotionInterval {
 
     /// Any number within `radius` of `middle`.
     pub(crate) fn within(middle: f64, radius: f64) -> MotionInterval {
-        if middle.abs() + radius < MOST { MotionInterval { middle, radius } } else { MotionInterval::UNKNOWN }
+        if middle.abs() + radius < MAX_MAGNITUDE { MotionInterval { middle, radius } } else { MotionInterval::UNKNOWN }
     }
 
     /// What a rounded operation gives whose exact result is within `error` of the middle.

@@ -11,7 +11,7 @@ mod sealed {
     impl Sealed for f32 {}
     impl Sealed for f64 {}
     impl Sealed for crate::wide::Wide {}
-    impl Sealed for crate::deferred::Deferred {}
+    impl Sealed for crate::lazy_wide::LazyWide {}
     impl Sealed for crate::motion_interval::MotionInterval {}
 }
 

@@ -19,7 +19,7 @@
 mod digits;
 mod radius;
 
-use self::digits::{DIGIT, Fraction, Long, MOST};
+use self::digits::{DIGIT, Fraction, Long, MAX_DIGITS};
 use self::radius::Radius;
 use num_bigint::{BigInt, Sign as BigSign};
 use num_rational::BigRational;
@@ -36,7 +36,7 @@ pub const BITS: u32 = 512;
 #[derive(Clone, Copy, Debug)]
 pub struct Wide {
     /// The significand's digits, the lowest first. The last ones are used, as many as `length` says; the others are zero.
-    digits: [u64; MOST],
+    digits: [u64; MAX_DIGITS],
     /// The middle is ±(the digits used, after a binary point)·2^exponent.
     exponent: i64,
     /// The error is not above it. Unknown for a quotient by something that may be zero, and for the root of a negative number.
@@ -51,7 +51,7 @@ thread_local! {
     /// Whether one unsettled comparison spoils the answer.
     static SETTLED_ONLY: Cell<bool> = const { Cell::new(false) };
     /// Digits to which results are cut.
-    static KEPT: Cell<usize> = const { Cell::new(MOST) };
+    static KEPT: Cell<usize> = const { Cell::new(MAX_DIGITS) };
 }
 
 /// Cuts results to fewer digits until dropped.
@@ -73,7 +73,7 @@ impl Drop for Shorter {
 
 /// Runs `work` with results cut to fewer bits: a multiple of 128, and 128 at least. On this thread only.
 pub fn in_bits<T>(bits: u32, work: impl FnOnce() -> T) -> T {
-    let _shorter = Shorter::begin(2 * (bits / 128).clamp(1, MOST as u32 / 2) as usize);
+    let _shorter = Shorter::begin(2 * (bits / 128).clamp(1, MAX_DIGITS as u32 / 2) as usize);
     work()
 }
 
@@ -133,7 +133,7 @@ pub(crate) fn is_given_up() -> bool {
 impl Wide {
     /// Zero, exactly.
     pub const EXACT_ZERO: Wide =
-        Wide { digits: [0; MOST], exponent: 0, radius: Radius::EXACT, length: 0, negative: false };
+        Wide { digits: [0; MAX_DIGITS], exponent: 0, radius: Radius::EXACT, length: 0, negative: false };
 
     const NOT_KNOWN: Wide = Wide { radius: Radius::UNKNOWN, ..Wide::EXACT_ZERO };
 
@@ -169,7 +169,7 @@ impl Wide {
 
     /// The digits of the significand that are used.
     fn used(&self) -> &[u64] {
-        &self.digits[MOST - usize::from(self.length)..]
+        &self.digits[MAX_DIGITS - usize::from(self.length)..]
     }
 
     fn is_zero(&self) -> bool {
@@ -178,7 +178,7 @@ impl Wide {
 
     /// The leading 64 bits of the middle's magnitude, which are those of a fraction.
     fn leading(&self) -> u64 {
-        if self.is_zero() { 0 } else { self.digits[MOST - 1] }
+        if self.is_zero() { 0 } else { self.digits[MAX_DIGITS - 1] }
     }
 
     /// Whether no operation that led here rounded.
@@ -260,7 +260,7 @@ impl Wide {
 
     /// Whether the middle is above zero. Not counted, but where [`in_bits`] cuts results and the middle is zero by rounding: it would go on as exact.
     pub fn middle_is_positive(self) -> bool {
-        if self.is_zero() && !self.is_exact() && KEPT.get() < MOST {
+        if self.is_zero() && !self.is_exact() && KEPT.get() < MAX_DIGITS {
             UNSETTLED.set(UNSETTLED.get() + 1);
         }
         self.is_known() && !self.negative && !self.is_zero()
@@ -312,8 +312,8 @@ impl Wide {
         let exponent = exponent - (digits.len() - 1 - highest) as i64 * i64::from(DIGIT) - i64::from(shift);
         let (count, available) = (KEPT.get(), highest + 1);
         let (rest, kept) = digits[..available].split_at(available.saturating_sub(count));
-        let mut significand = [0; MOST];
-        let into = &mut significand[MOST - kept.len()..];
+        let mut significand = [0; MAX_DIGITS];
+        let into = &mut significand[MAX_DIGITS - kept.len()..];
         let below = rest.last().copied().unwrap_or(0);
         let mut cut = rest.iter().any(|&digit| digit != 0);
         if shift == 0 {
@@ -334,7 +334,8 @@ impl Wide {
 
     /// The significand as a fraction of two digits, if it has no more.
     fn short(&self) -> Option<u128> {
-        (self.length <= 2).then(|| u128::from(self.digits[MOST - 1]) << DIGIT | u128::from(self.digits[MOST - 2]))
+        (self.length <= 2)
+            .then(|| u128::from(self.digits[MAX_DIGITS - 1]) << DIGIT | u128::from(self.digits[MAX_DIGITS - 2]))
     }
 
     /// A fraction of four digits times 2^exponent, cut to those that are kept.
@@ -349,15 +350,17 @@ impl Wide {
             0 => (upper, lower),
             _ => (upper << shift | lower >> (128 - shift), lower << shift),
         };
-        let mut digits = [0; MOST];
-        (digits[MOST - 1], digits[MOST - 2]) = ((upper >> DIGIT) as u64, upper as u64);
+        let mut digits = [0; MAX_DIGITS];
+        (digits[MAX_DIGITS - 1], digits[MAX_DIGITS - 2]) = ((upper >> DIGIT) as u64, upper as u64);
         let (length, radius) = match (lower == 0, KEPT.get() > 2) {
-            (true, _) => (if digits[MOST - 2] == 0 { 1 } else { 2 }, radius),
+            (true, _) => (if digits[MAX_DIGITS - 2] == 0 { 1 } else { 2 }, radius),
             (false, true) => {
-                (digits[MOST - 3], digits[MOST - 4]) = ((lower >> DIGIT) as u64, lower as u64);
-                (if digits[MOST - 4] == 0 { 3 } else { 4 }, radius)
+                (digits[MAX_DIGITS - 3], digits[MAX_DIGITS - 4]) = ((lower >> DIGIT) as u64, lower as u64);
+                (if digits[MAX_DIGITS - 4] == 0 { 3 } else { 4 }, radius)
             }
-            (false, false) => (if digits[MOST - 2] == 0 { 1 } else { 2 }, radius.plus(Radius::power(exponent - 128))),
+            (false, false) => {
+                (if digits[MAX_DIGITS - 2] == 0 { 1 } else { 2 }, radius.plus(Radius::power(exponent - 128)))
+            }
         };
         Wide { digits, exponent, radius, length, negative }
     }
@@ -436,7 +439,7 @@ impl Add for Wide {
         // A digit for what is carried, and one at the end for what is shifted beyond the last.
         let (whole, shift) = ((shift / i64::from(DIGIT)) as usize, (shift % i64::from(DIGIT)) as u32);
         let below = usize::from(large.length).max(whole + usize::from(small.length) + 1);
-        let (mut sum, mut shifted): (Long, Long) = ([0; 2 * MOST + 2], [0; 2 * MOST + 2]);
+        let (mut sum, mut shifted): (Long, Long) = ([0; 2 * MAX_DIGITS + 2], [0; 2 * MAX_DIGITS + 2]);
         sum[below - usize::from(large.length)..below].copy_from_slice(large.used());
         Fraction(small.used()).write(&mut shifted, below - whole, shift);
         let sum = &mut sum[..=below];

@@ -267,7 +267,7 @@ mod tests {
     use super::*;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;
-    use rockproof_model::rules;
+    use rockproof_model::tolerance_rules;
 
     #[test]
     fn three_digits_stay_on_their_side() {
@@ -291,11 +291,13 @@ mod tests {
         let mut sampler = PairSampler::with_style(&mut rng, rockproof_campaign::families::CoordinateStyle::Grid);
         for _ in 0..200 {
             let parameters = SetParameters::random(&mut sampler).mutated(&mut sampler);
-            let broken = rules::check(&parameters.set(&model), &[&block], Precision::F64);
+            let broken = tolerance_rules::check(&parameters.set(&model), &[&block], Precision::F64);
             let near = SetParameters::nearest(&parameters.set(&model), &model);
             assert_eq!(SetParameters::nearest(&near.set(&model), &model), near, "{parameters:?}");
             // Only what angles have to do with lengths under the classic criteria is left to chance.
-            let chance = |v: &rules::Violation| matches!(v.rule, rules::Rule::ParallelEdges | rules::Rule::Overlap);
+            let chance = |v: &tolerance_rules::Violation| {
+                matches!(v.rule, tolerance_rules::Rule::ParallelEdges | tolerance_rules::Rule::Overlap)
+            };
             assert!(broken.iter().all(chance), "{parameters:?}: {broken:?}");
         }
     }

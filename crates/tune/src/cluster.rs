@@ -7,10 +7,10 @@ use rockproof_stepper::contact::{PreparedBlock, SpecRules, Tolerances, classify}
 use std::collections::BTreeSet;
 
 /// Blocks of a cluster at most.
-const MOST: usize = 14;
+const MAX_BLOCKS: usize = 14;
 
 /// Contacts of a cluster at most, if fewer blocks have fewer: an exact step takes time for each of them, and more than in proportion.
-const MOST_CONTACTS: usize = 192;
+const MAX_CONTACTS: usize = 192;
 
 /// What holds a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,21 +96,21 @@ impl Cluster {
         let mut members: Vec<usize> = vec![busiest];
         let mut seen: BTreeSet<usize> = members.iter().copied().collect();
         let mut at = 0;
-        while at < members.len() && members.len() < MOST {
+        while at < members.len() && members.len() < MAX_BLOCKS {
             for &next in &beside[members[at]] {
-                if members.len() < MOST && seen.insert(next) {
+                if members.len() < MAX_BLOCKS && seen.insert(next) {
                     members.push(next);
                 }
             }
             at += 1;
         }
-        if count <= MOST {
+        if count <= MAX_BLOCKS {
             members.extend((0..count).filter(|block| !seen.contains(block)));
         }
         loop {
             let mut cluster = Cluster::part(scene, &members);
             cluster.contacts = cluster.between(&contacts);
-            if cluster.contacts <= MOST_CONTACTS || members.len() <= 2 {
+            if cluster.contacts <= MAX_CONTACTS || members.len() <= 2 {
                 return cluster;
             }
             members.pop();
@@ -236,16 +236,16 @@ mod tests {
         let scene = wall(60).expect("a wall");
         let near = neighbours(&scene);
         let cluster = Cluster::of(&scene, &near, &auto(&scene));
-        assert!(!cluster.is_whole && cluster.scene.blocks.len() == MOST && cluster.contacts > 0);
+        assert!(!cluster.is_whole && cluster.scene.blocks.len() == MAX_BLOCKS && cluster.contacts > 0);
         let fixed = cluster.scene.blocks.iter().filter(|block| block.body.is_fixed()).count();
-        assert!(fixed > 0 && fixed < MOST, "{fixed}");
+        assert!(fixed > 0 && fixed < MAX_BLOCKS, "{fixed}");
         let touches = |k: usize| {
             near.iter().any(|[i, j]| {
                 let other = |b: usize| cluster.members.contains(&b) && b != cluster.members[k];
                 (*i == cluster.members[k] && other(*j)) || (*j == cluster.members[k] && other(*i))
             })
         };
-        assert!((0..MOST).all(touches));
+        assert!((0..MAX_BLOCKS).all(touches));
     }
 
     #[test]

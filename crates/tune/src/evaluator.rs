@@ -8,13 +8,14 @@ use super::steps::{InitialOverlaps, LockstepMeasures, StepMeasures, measure_lock
 use rockproof_differential::builtin::{ENGINES, StepperEngine};
 use rockproof_differential::engine::Engine;
 use rockproof_model::preset::{self, Preset};
-use rockproof_model::rules::{self, MeasuredModel, Rule, RuleSlack};
+use rockproof_model::tolerance_rules::{self, MeasuredModel, Rule, RuleSlack};
 use rockproof_model::{Precision, Scene, SpecError, ToleranceSet};
 use rockproof_stepper::contact::SpecRules;
+use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 
 /// Everything measured of one set.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
     /// The rules that are not met.
     pub violated: Vec<Rule>,
@@ -201,7 +202,7 @@ impl Evaluator {
     pub fn measure(&self, set: &ToleranceSet) -> Result<Measurement, TuneError> {
         let scene = self.stiff(set);
         let mut slacks = self.lengths.slacks(set, self.precision);
-        slacks.extend(rules::stiffness_slack(set, &scene));
+        slacks.extend(tolerance_rules::stiffness_slack(set, &scene));
         let violated = slacks.iter().filter(|slack| slack.factor < 1.0).map(|slack| slack.rule);
         let mut violated: Vec<Rule> = violated.chain(self.broken_rules(set)).collect();
         violated.sort_unstable();

@@ -76,7 +76,7 @@ impl GivenOverlaps {
     }
 
     /// Pairs that overlap under a set deeper than g, or by more than rounding where no contact sees it: those that mean
-    /// [`rockproof_oracle::audit::Meaning::Lost`].
+    /// [`rockproof_oracle::audit::OverlapSeverity::Lost`].
     pub(super) fn lost(&self, set: &ToleranceSet) -> u64 {
         let g = set.penetration.to_rational();
         let limit = &g * &g;
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use rockproof_model::preset::{Preset, derive};
     use rockproof_model::{Number, Scene};
-    use rockproof_oracle::audit::{Meaning, audit};
+    use rockproof_oracle::audit::{OverlapSeverity, audit};
 
     #[test]
     fn a_set_loses_what_the_audit_calls_lost() {
@@ -124,7 +124,8 @@ mod tests {
         for penetration in [0.01, 0.5, 1.1, 2.0] {
             set.penetration = Number::from_f64(penetration).unwrap();
             let found = audit(&shapes, &set).overlaps;
-            let lost = found.iter().filter(|overlap| overlap.meaning(&rounding) == Meaning::Lost).count() as u64;
+            let lost =
+                found.iter().filter(|overlap| overlap.severity(&rounding) == OverlapSeverity::Lost).count() as u64;
             assert_eq!(given.lost(&set), lost, "{penetration}");
             seen.push(lost);
         }

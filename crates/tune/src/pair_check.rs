@@ -78,7 +78,7 @@ mod tests {
     use rockproof_differential::attribution::examine;
     use rockproof_differential::builtin;
     use rockproof_differential::finding::Cause;
-    use rockproof_differential::subject::{Subject, SubjectSet};
+    use rockproof_differential::subject::{NamedSet, Subject};
     use rockproof_model::preset::{Preset, derive};
 
     #[test]
@@ -88,7 +88,7 @@ mod tests {
             for (precision, name) in [(Precision::F32, builtin::ENGINES[0]), (Precision::F64, builtin::ENGINES[1])] {
                 let set = derive(Preset::ALL[k % 3], &[a, b], precision).expect("a set");
                 let panel = builtin::panel(&[name.to_owned()], 0).expect("an engine");
-                let given = vec![SubjectSet { name: "set".into(), f32: set.clone(), f64: set.clone() }];
+                let given = vec![NamedSet::same("set", &set)];
                 let (family, form) = (RealNeighbours::bundled().name().into(), "standing".into());
                 let subject = Subject { index: 0, family, form, a: a.clone(), b: b.clone(), sets: given };
                 let found = examine(&subject, &panel).findings;

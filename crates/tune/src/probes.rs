@@ -111,7 +111,7 @@ impl Probes {
         });
         let config = PairConfig {
             families: vec![Arc::clone(&self.perturbed)],
-            sets: vec![SetSource::given("candidate", set.clone())],
+            sets: vec![SetSource::constant("candidate", set.clone())],
             sets_per_batch: 1,
             directed_percent: 80,
             ladder_percent: 0,

@@ -8,7 +8,7 @@ use super::steps::{LockstepMeasures, Overlaps, StepMeasures};
 use rockproof_differential::row::written;
 use rockproof_model::bounded_rows::BoundedRows;
 use rockproof_model::files::read_limited;
-use rockproof_model::rules::{Rule, RuleSlack};
+use rockproof_model::tolerance_rules::{Rule, RuleSlack};
 use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Start, digest, identity_differences};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};

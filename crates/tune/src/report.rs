@@ -4,11 +4,12 @@ use super::evaluator::Measurement;
 use super::search::{EvaluatedCandidate, Search, formulas};
 use super::{Cluster, Evaluator};
 use rockproof_model::scene::write_tolerances;
+use rockproof_model::text::noun;
 use rockproof_model::{ToleranceSet, ToleranceSpec};
 use std::fmt::Write;
 
 /// Trade-offs told at most.
-const MOST: usize = 6;
+const MAX_TRADE_OFFS: usize = 6;
 
 /// A set as a `[tolerances]` table ready to paste.
 pub fn as_toml(set: &ToleranceSet) -> String {
@@ -36,22 +37,30 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     let d = evaluated[best].measurement.differences;
     writeln!(
         out,
-        "- {} candidates: {} given, the others drawn or turned from the best so far",
+        "- {} {}: {} given, the others drawn or turned from the best so far",
         evaluated.len(),
-        search.given().min(evaluated.len())
+        noun(evaluated.len(), "candidate", "candidates"),
+        search.initial_count().min(evaluated.len())
     )?;
     writeln!(
         out,
-        "- {} of the {} neighbouring pairs as they stand; {} of them moved at random, {} beside the boundary of a decision, {} on it",
-        d.standing[0], evaluator.probes.neighbours, d.moved[0], d.near[0], d.boundary[0]
+        "- {} of {} neighbouring {} as given; copies of them: {} moved at random, {} moved beside the boundary of a decision, {} moved onto it",
+        d.standing[0],
+        evaluator.probes.neighbours,
+        noun(evaluator.probes.neighbours, "pair", "pairs"),
+        d.moved[0],
+        d.near[0],
+        d.boundary[0]
     )?;
     let lockstep = evaluated.iter().filter(|evaluated| evaluated.measurement.lockstep.is_some()).count();
     writeln!(
         out,
-        "- {} steps of {}, after {} of settling; the oracle made the same steps exactly for {lockstep} candidates that might be the best",
+        "- {} {} of {}, after {} of settling; the oracle made the same steps exactly for {lockstep} {} that might be the best",
         evaluator.steps(),
+        noun(evaluator.steps(), "step", "steps"),
         part(&evaluator.cluster),
-        evaluator.cluster.scene.simulation.control.settle
+        evaluator.cluster.scene.simulation.control.settle,
+        noun(lockstep, "candidate", "candidates")
     )?;
     writeln!(out, "- every rule of SPEC section 3, exactly\n")?;
     writeln!(out, "## What each would do\n")?;
@@ -65,20 +74,20 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     if best != 0 {
         compare(out, &evaluated[best].measurement, &author.measurement)?;
     }
-    let given: Vec<usize> = (1..search.given().min(evaluated.len())).collect();
+    let given: Vec<usize> = (1..search.initial_count().min(evaluated.len())).collect();
     if !given.is_empty() {
         writeln!(out, "\n## The other sets that were given\n")?;
         table(out, search, &given)?;
     }
     writeln!(out, "\n## Trade-offs that remain\n")?;
     let front: Vec<usize> = search.front();
-    let shown: Vec<usize> = front.iter().copied().take(MOST).collect();
+    let shown: Vec<usize> = front.iter().copied().take(MAX_TRADE_OFFS).collect();
     if shown.len() < 2 {
         writeln!(out, "None: no candidate that keeps every rule is better in anything.")?;
     } else {
         writeln!(
             out,
-            "{} candidates keep every rule and are beaten by no other in everything at once, or are the one recommended, which comes first; {} of them, by pairs that differ, then sinking:\n",
+            "{} candidates keep every rule, and none is worse than another in every respect. Here are {}: first the one recommended, then by pairs that differ, then by how far blocks sink:\n",
             front.len(),
             shown.len()
         )?;
@@ -87,9 +96,9 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     writeln!(out, "\n{NOTES}")
 }
 
-const NOTES: &str = "`differ`: pairs that engine and oracle answer differently, as they stand + moved + beside a boundary; in brackets those on a boundary, where \
-rounding the input decides whatever the tolerances. `slack`: how many times the nearest rule is met. `changed`: contacts that the \
-tolerances add, remove or change, compared with nearest features alone. `sinks`: the most by which a pair of blocks overlaps deeper after a step than in the scene as \
+const NOTES: &str = "`differ`: pairs that engine and oracle answer differently: as given + moved at random + moved beside a boundary; in brackets those on a boundary, where \
+rounding the input decides whatever the tolerances. `slack`: the factor by which the tightest rule is met. `changed`: contacts that the \
+tolerances add, remove or change, compared with nearest features alone. `sinks`: the most by which the overlap of two blocks grows beyond that of the scene as \
 given. `lockstep`: steps that differ from the oracle's, of those compared; – where the oracle was not asked. A larger u means longer steps, and fewer of them.";
 
 /// The part that is stepped, and what holds it.
@@ -123,11 +132,13 @@ pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>
     row("criteria", &|evaluated| evaluated.set.criteria.name().to_owned());
     row("overlaps of the model too deep or unseen", &|evaluated| evaluated.measurement.lost_pairs.to_string());
     row("rules broken", &|evaluated| evaluated.measurement.violated.len().to_string());
-    row("the nearest rule is met", &|evaluated| format!("{:.2} times", evaluated.measurement.tightest.factor));
-    row("pairs that differ as they stand", &|evaluated| of(evaluated.measurement.differences.standing));
-    row("moved at random", &|evaluated| of(evaluated.measurement.differences.moved));
-    row("beside a boundary", &|evaluated| of(evaluated.measurement.differences.near));
-    row("on a boundary", &|evaluated| of(evaluated.measurement.differences.boundary));
+    row("the tightest rule is met by a factor of", &|evaluated| {
+        format!("{:.2}", evaluated.measurement.tightest.factor)
+    });
+    row("pairs as given that differ", &|evaluated| of(evaluated.measurement.differences.standing));
+    row("pairs moved at random that differ", &|evaluated| of(evaluated.measurement.differences.moved));
+    row("pairs beside a boundary that differ", &|evaluated| of(evaluated.measurement.differences.near));
+    row("pairs on a boundary that differ", &|evaluated| of(evaluated.measurement.differences.boundary));
     row("contacts that tolerances change", &|evaluated| evaluated.measurement.differences.changed.to_string());
     row("steps made", &|evaluated| evaluated.measurement.steps_measured.steps.to_string());
     row("unconverged, attempts given up", &|evaluated| {
@@ -136,11 +147,11 @@ pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>
             evaluated.measurement.steps_measured.unconverged, evaluated.measurement.steps_measured.retries
         )
     });
-    row("some pair sinks by", &|evaluated| format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.sunk));
-    row("deepest overlap after the last", &|evaluated| {
+    row("blocks sink by at most", &|evaluated| format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.sunk));
+    row("deepest overlap after the last step", &|evaluated| {
         format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.deepest)
     });
-    row("the same by the oracle", &|evaluated| {
+    row("the same with the steps of the oracle", &|evaluated| {
         let deepest = evaluated.measurement.lockstep.as_ref().and_then(|lockstep| lockstep.deepest);
         deepest.map_or("–".to_owned(), |deepest| format!("{deepest:.3e} m"))
     });
@@ -206,7 +217,7 @@ fn verdict(out: &mut String, best: &EvaluatedCandidate, is_author: bool) -> std:
     match m.violated.is_empty() {
         true => writeln!(
             out,
-            "Every rule is met {:.2} times or more; the nearest is `{}`.",
+            "Every rule is met, the tightest by a factor of {:.2}: `{}`.",
             m.tightest.factor,
             m.tightest.rule.formula()
         )?,
@@ -216,24 +227,24 @@ fn verdict(out: &mut String, best: &EvaluatedCandidate, is_author: bool) -> std:
         None if m.steps_measured.overlaps.sunk == 0.0 => {
             writeln!(
                 out,
-                "In {} steps no pair of blocks sinks: overlaps deeper than in the scene as given.",
+                "In {} steps no block sinks: no overlap grows beyond that of the scene as given.",
                 m.steps_measured.steps
             )?;
         }
         None => writeln!(
             out,
-            "In {} steps no pair of blocks sinks by more than {:.3e} m: overlaps deeper than in the scene as given.",
+            "In {} steps blocks sink by at most {:.3e} m: by so much an overlap grows beyond that of the scene as given.",
             m.steps_measured.steps, m.steps_measured.overlaps.sunk
         )?,
         Some(why) => writeln!(out, "The steps stopped after {}: {why}.", m.steps_measured.steps)?,
     }
     match &m.lockstep {
         Some(lockstep) if lockstep.differ + lockstep.failed == 0 => {
-            writeln!(out, "All {} steps are the oracle's, settling among them.", lockstep.steps)
+            writeln!(out, "All {} steps, settling included, equal the oracle's.", lockstep.steps)
         }
         Some(lockstep) => writeln!(
             out,
-            "{} of {} steps, settling among them, differ from the oracle's ({} of {} contacts, and {} modes), {} could not be made on one side.",
+            "{} of {} steps, settling included, differ from the oracle's ({} of {} contacts, and {} modes); one side could not make {}.",
             lockstep.differ, lockstep.steps, lockstep.contacts, lockstep.found, lockstep.modes, lockstep.failed
         ),
         None => Ok(()),
@@ -302,33 +313,38 @@ fn table(out: &mut String, search: &Search<'_>, which: &[usize]) -> std::fmt::Re
 fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::fmt::Result {
     writeln!(out, "\nThe author's set:\n")?;
     if !author.violated.is_empty() {
-        writeln!(out, "- breaks {} rules: {}", author.violated.len(), formulas(&author.violated))?;
+        let count = author.violated.len();
+        writeln!(out, "- breaks {count} {}: {}", noun(count, "rule", "rules"), formulas(&author.violated))?;
     }
     if author.lost_pairs != best.lost_pairs {
         let (theirs, ours) = (author.lost_pairs, best.lost_pairs);
-        writeln!(out, "- leaves overlaps of the model too deep or unseen: {theirs}, instead of {ours}")?;
+        let overlaps = noun(theirs, "overlap", "overlaps");
+        writeln!(out, "- leaves {theirs} {overlaps} of the model too deep or unseen, instead of {ours}")?;
     }
     let (ours, theirs) = (best.differences.avoidable(), author.differences.avoidable());
     if ours != theirs {
         let (ours_of, theirs_of) = (best.differences.examined(), author.differences.examined());
-        writeln!(out, "- has {theirs} pairs of {theirs_of} that differ, instead of {ours} of {ours_of}")?;
+        writeln!(
+            out,
+            "- answers {theirs} of {theirs_of} pairs differently from the oracle, instead of {ours} of {ours_of}"
+        )?;
     }
     let share = |m: &Measurement| m.lockstep.as_ref().map_or(0.0, |lockstep| 100.0 * lockstep.share());
     if share(best) != share(author) {
         let (theirs, ours) = (share(author), share(best));
-        writeln!(out, "- has {theirs:.1} % of contacts in steps that are not the oracle's, instead of {ours:.1} %")?;
+        writeln!(out, "- differs from the oracle in {theirs:.1} % of the contacts in steps, instead of {ours:.1} %")?;
     }
     let sunk = |m: &Measurement| m.steps_measured.overlaps.sunk;
     match &author.steps_measured.stopped {
         Some(why) => writeln!(out, "- stops after {} steps: {why}", author.steps_measured.steps)?,
         None if sunk(author) != sunk(best) => {
-            writeln!(out, "- lets blocks sink {:.2e} m instead of {:.2e} m", sunk(author), sunk(best))?;
+            writeln!(out, "- lets blocks sink by {:.3e} m instead of {:.3e} m", sunk(author), sunk(best))?;
         }
         None => {}
     }
-    writeln!(
-        out,
-        "- meets the nearest rule {:.2} times, instead of {:.2}",
-        author.tightest.factor, best.tightest.factor
-    )
+    let [ours, theirs] = [best, author].map(|m| format!("{:.2}", m.tightest.factor));
+    match ours == theirs {
+        true => Ok(()),
+        false => writeln!(out, "- meets the tightest rule by a factor of {theirs} instead of {ours}"),
+    }
 }

@@ -6,7 +6,7 @@ use super::evaluator::{Evaluator, Measurement};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_campaign::families::{CoordinateStyle, PairSampler};
-use rockproof_model::rules::Rule;
+use rockproof_model::tolerance_rules::Rule;
 use rockproof_model::{Preset, ToleranceSet, ToleranceSpec};
 use serde::{Deserialize, Serialize};
 
@@ -127,7 +127,7 @@ impl<'w> Search<'w> {
     }
 
     /// Candidates that are tried before any is drawn.
-    pub fn given(&self) -> usize {
+    pub fn initial_count(&self) -> usize {
         self.first.len()
     }
 

@@ -2,7 +2,7 @@
 
 use super::TuneError;
 use rayon::prelude::*;
-use rockproof_differential::lockstep::run::KEEP;
+use rockproof_differential::lockstep::run::KEPT_PRECISION;
 use rockproof_differential::lockstep::scene::ExactScene;
 use rockproof_differential::lockstep::state::exact_state;
 use rockproof_differential::lockstep::{StepAnswerChange, StepDecisions, compare};
@@ -170,7 +170,7 @@ pub(super) fn measure_lockstep<R: Solve>(
         };
         let made = dynamics.step();
         let exact = if is_last {
-            rounded.step(&before, KEEP).map(|step| {
+            rounded.step(&before, KEPT_PRECISION).map(|step| {
                 found.deepest = Some(initial.overlaps(&rounded.blocks_at(&step.state)).deepest);
                 StepDecisions::of_oracle(&step)
             })

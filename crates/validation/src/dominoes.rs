@@ -5,7 +5,7 @@
 //! is plastic: the next domino joins the others, and the momentum that goes with their common motion stays.
 
 use crate::case::{CaseMeasurement, CasePrecision, Measure, ValidationCase};
-use crate::stepped_scene::{CaseFailure, SteppedScene, cuboid, number, relative, vector, without_play};
+use crate::stepped_scene::{CaseFailure, SteppedScene, cuboid, number, relative, vector, without_open_close_tolerance};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::simulation::{FixedPoint, JointPair, JointProperties, Unconverged};
 use rockproof_model::{Motion, Scene};
@@ -79,7 +79,7 @@ impl Row {
                 }
             }
         }
-        scene.tolerances = Some(without_play()?);
+        scene.tolerances = Some(without_open_close_tolerance()?);
         scene.simulation.gravity = vector([0.0, 0.0, -GRAVITY])?;
         let control = &mut scene.simulation.control;
         (control.time_step, control.unconverged) = (number(self.time_step)?, Unconverged::Accept);

@@ -6,7 +6,7 @@
 mod ledger;
 mod scenes;
 
-pub use ledger::{Account, GainedStep};
+pub use ledger::{EnergyLedger, GainedStep};
 pub use scenes::DropScene;
 
 use crate::stepped_scene::{CaseFailure, SteppedScene, number};
@@ -82,7 +82,7 @@ impl EnergyRun {
     /// When a step cannot be made.
     pub fn measure_in<M: StepRules>(self, scene: Scene) -> Result<EnergyResult, CaseFailure> {
         let mut stepped = SteppedScene::<f64, M>::new(scene)?;
-        let mut account = Account::open(&stepped);
+        let mut account = EnergyLedger::open(&stepped);
         while stepped.time() < self.scene.duration() - 1e-9 {
             account.step(&mut stepped)?;
         }

@@ -7,7 +7,7 @@ use rockproof_stepper::contact::SpecRules;
 use rockproof_validation::convergence::{first_swings, start_up, studies};
 use rockproof_validation::energy::{EnergyResult, TIME_STEPS};
 use rockproof_validation::iterations::{self, Pour};
-use rockproof_validation::wall::{MOST_DRIFT, Wall};
+use rockproof_validation::wall::{MAX_DRIFT, Wall};
 use rockproof_validation::{dominoes, energy, physics_report, plot, report, restitution, table};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -79,7 +79,7 @@ fn made(name: &str) -> anyhow::Result<(String, usize)> {
             let drifts = walls.iter().map(|wall| Ok((*wall, wall.measure()?)));
             let drifts = drifts.collect::<anyhow::Result<Vec<_>>>()?;
             let misses =
-                drifts.iter().filter(|(_, drift)| drift.drift[1].is_nan() || drift.drift[1] > MOST_DRIFT).count();
+                drifts.iter().filter(|(_, drift)| drift.drift[1].is_nan() || drift.drift[1] > MAX_DRIFT).count();
             return Ok((physics_report::wall(&drifts), misses));
         }
     };

@@ -8,7 +8,9 @@
 //! before left the mass. For small Δt it is exp(−(π/4)·Δt·√(p/m)).
 
 use crate::case::{CaseMeasurement, CasePrecision, Measure, ValidationCase};
-use crate::stepped_scene::{CaseFailure, SteppedScene, cuboid, number, polyhedron, vector, without_play, worst};
+use crate::stepped_scene::{
+    CaseFailure, SteppedScene, cuboid, number, polyhedron, vector, without_open_close_tolerance, worst,
+};
 use rayon::prelude::*;
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::{Motion, Scene};
@@ -76,7 +78,7 @@ fn scene(time_step: f64, stiffness: f64, phase: f64) -> Result<Scene, CaseFailur
     let mut block = SceneBlock::new("tip", block);
     (block.body.motion, block.body.velocity) = (Motion::Rigid, vector([0.0, 0.0, -SPEED])?);
     scene.blocks.push(block);
-    scene.tolerances = Some(without_play()?);
+    scene.tolerances = Some(without_open_close_tolerance()?);
     scene.simulation.gravity = vector([0.0; 3])?;
     scene.simulation.control.time_step = number(time_step)?;
     scene.simulation.joints.other.normal_stiffness = Some(number(stiffness)?);

@@ -4,7 +4,8 @@ use crate::case::CasePrecision;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::Control;
 use rockproof_model::{
-    Block, BlockError, BlockOptions, Number, NumberError, Scene, SceneError, SpecError, ToleranceSpec, Vec3, rules,
+    Block, BlockError, BlockOptions, Number, NumberError, Scene, SceneError, SpecError, ToleranceSpec, Vec3,
+    tolerance_rules,
 };
 use rockproof_simulate::Plan;
 use rockproof_stepper::contact::SpecRules;
@@ -119,7 +120,7 @@ pub fn vector([x, y, z]: [f64; 3]) -> Result<Vec3<Number>, CaseFailure> {
 ///
 /// # Errors
 /// Never; the names are known.
-pub fn without_play() -> Result<ToleranceSpec, CaseFailure> {
+pub fn without_open_close_tolerance() -> Result<ToleranceSpec, CaseFailure> {
     let mut tolerances = ToleranceSpec::default();
     tolerances.set_text("open", "0")?;
     tolerances.set_text("close", "0")?;
@@ -168,7 +169,7 @@ impl<R: CasePrecision, M: StepRules> SteppedScene<R, M> {
         let default = ToleranceSpec::default();
         let set = scene.tolerances.as_ref().unwrap_or(&default).derive(&scene.shapes(), R::PRECISION)?;
         scene.derive_stiffness(&set);
-        if let Some(violation) = rules::check_scene(&set, &scene, R::PRECISION).first() {
+        if let Some(violation) = tolerance_rules::check_scene(&set, &scene, R::PRECISION).first() {
             return Err(CaseFailure::Violated(violation.to_string()));
         }
         let control = &scene.simulation.control;

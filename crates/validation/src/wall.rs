@@ -81,7 +81,7 @@ impl Wall {
 }
 
 /// How far a brick of the thousand may drift in a second (m).
-pub const MOST_DRIFT: f64 = 2e-5;
+pub const MAX_DRIFT: f64 = 2e-5;
 
 /// What a wall at rest did.
 pub struct WallDrift {

@@ -12,8 +12,8 @@ use rockproof_stepper::engine::EngineError;
 use rockproof_validation::self_comparison::compare::{OtherPaths, compare};
 use rockproof_validation::self_comparison::disagreement::DisagreementRow;
 use rockproof_validation::self_comparison::paths::{BuiltIn, PathName, Paths, Question};
-use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, MOST_CASES, RecordError};
-use rockproof_validation::self_comparison::run::{Comparison, Seen};
+use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, MAX_CASES, RecordError};
+use rockproof_validation::self_comparison::run::{Comparison, ProgressCounts};
 use rockproof_validation::self_comparison::total::Total;
 use std::collections::BTreeMap;
 use std::fs;
@@ -118,7 +118,7 @@ fn run_until(
 ) -> Result<Ending, RecordError> {
     let config = PairConfig::default();
     let mut record = ComparisonRecord::open(dir, plan, &config, start)?;
-    Comparison { paths, config: &config, threads }.run(&mut record, stop, &Seen::default())
+    Comparison { paths, config: &config, threads }.run(&mut record, stop, &ProgressCounts::default())
 }
 
 /// The files that must be the same bytes whatever happened: not the state, which holds times, nor the signs by level, which depend a little on what a
@@ -211,7 +211,7 @@ fn a_mistake_in_any_path_is_counted_and_kept_and_the_run_goes_on() {
             }
         }
         let with_case = rows.iter().filter(|row| !row.case.is_empty()).count() as u64;
-        assert_eq!(with_case, all.disagreements.min(MOST_CASES));
+        assert_eq!(with_case, all.disagreements.min(MAX_CASES));
         let inputs: Vec<&str> = rows.iter().map(|row| row.input.as_str()).collect();
         assert!(inputs.contains(&"exact") && inputs.contains(&"f32"), "{inputs:?}");
         assert!(named.iter().all(|name| rows.iter().any(|row| row.path == *name)), "{named:?}: {rows:?}");
@@ -226,9 +226,9 @@ fn a_path_wrong_everywhere_fills_the_table_and_not_the_disk() {
     run(dir.path(), plan, &mistaken, (Start::Fresh, 2)).expect("runs");
     let rows = rows(dir.path());
     let with_case = rows.iter().take_while(|row| !row.case.is_empty()).count() as u64;
-    assert!(rows.len() as u64 > MOST_CASES && with_case == MOST_CASES, "{} rows, {with_case} cases", rows.len());
+    assert!(rows.len() as u64 > MAX_CASES && with_case == MAX_CASES, "{} rows, {with_case} cases", rows.len());
     assert!(rows[with_case as usize..].iter().all(|row| row.case.is_empty()));
-    assert_eq!(fs::read_dir(dir.path().join("cases")).expect("a folder").count() as u64, MOST_CASES);
+    assert_eq!(fs::read_dir(dir.path().join("cases")).expect("a folder").count() as u64, MAX_CASES);
 }
 
 #[test]

@@ -106,7 +106,7 @@ impl<O: Observer> Classification<'_, '_, O> {
             Rejected::Above => true,
             Rejected::Below => !self.is_kept(contact_of(vertex, (vertex.0.other(), reject.face))),
         };
-        self.ladder.levels.float += 2 * u64::from(fails);
+        self.cascade.levels.float += 2 * u64::from(fails);
         fails
     }
 
@@ -128,7 +128,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     #[inline(always)]
     pub(crate) fn edges_certainly_fail(&mut self, reject: &EdgesReject, edge_a: EdgeId, edge_b: EdgeId) -> bool {
         let fails = !O::is_active() && self.edges_fail(reject, edge_a, edge_b);
-        self.ladder.levels.float += u64::from(fails);
+        self.cascade.levels.float += u64::from(fails);
         fails
     }
 
@@ -157,7 +157,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         let bound = self.bound_of::<BoxesMeet>(0);
         let meet = (0..3)
             .all(|k| search - (b.box_min[k] - a.box_max[k]) > bound && search - (a.box_min[k] - b.box_max[k]) > bound);
-        self.ladder.levels.float += 6 * u64::from(meet);
+        self.cascade.levels.float += 6 * u64::from(meet);
         meet
     }
 }

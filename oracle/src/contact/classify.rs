@@ -1,8 +1,8 @@
 //! The whole classification of a pair: rough phase, the four tests with both roles, one exit.
 
+use super::culling::{CullingDistances, NearFeatures};
 use super::entrance::{Candidate, Planes};
 use super::exit::ExitCandidate;
-use super::reach::Reach;
 use crate::classification::{Classification, Observer, Unobserved};
 use crate::levels::LevelCounts;
 use crate::pair::Pair;
@@ -25,15 +25,15 @@ impl Pair<'_> {
     ///
     /// Block coordinates count as they stand: for the oracle on rounded input, give it rounded blocks and tolerances.
     pub fn classify(&self, tolerances: &ToleranceSet) -> Answer {
-        self.classify_keeping(tolerances, &[])
+        self.classify_with_kept(tolerances, &[])
     }
 
     /// The contacts of the pair where the step before left the contacts `kept` of it closed: these may be deeper than g;
     /// every other condition holds for them as for all. Order and repetitions do not matter.
-    pub fn classify_keeping(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Answer {
-        let mut run = Classification::new(self, tolerances, Unobserved).keeping(kept);
+    pub fn classify_with_kept(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Answer {
+        let mut run = Classification::new(self, tolerances, Unobserved).with_kept(kept);
         let contacts = run.classify();
-        Answer { contacts, levels: run.ladder.levels }
+        Answer { contacts, levels: run.cascade.levels }
     }
 
     /// Whether the pair passes the rough phase: A's box grown by s meets B's; **touching says yes**.
@@ -47,8 +47,9 @@ impl<O: Observer> Classification<'_, '_, O> {
         if !self.neighbours() {
             return Vec::new();
         }
-        let distance = self.reach_distance();
-        let (a, b) = (self.reach_of(Side::A, distance), self.reach_of(Side::B, distance));
+        let CullingDistances { contact: distance, territory } = self.culling_distances();
+        self.territory_distance = territory;
+        let (a, b) = (self.features_within(Side::A, distance), self.features_within(Side::B, distance));
         let mut found = Vec::new();
         self.vertex_vertex_contacts(&a, &b, distance, &mut found);
         self.vertex_edge_contacts(Side::A, &a, &b, distance, &mut found);
@@ -89,7 +90,13 @@ impl<O: Observer> Classification<'_, '_, O> {
         )
     }
 
-    fn vertex_vertex_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<ExitCandidate>) {
+    fn vertex_vertex_contacts(
+        &mut self,
+        a: &NearFeatures,
+        b: &NearFeatures,
+        distance: f64,
+        found: &mut Vec<ExitCandidate>,
+    ) {
         for &i in &a.vertices {
             for &j in &b.vertices {
                 if !self.vertices_out_of_reach(i, j, distance)
@@ -105,8 +112,8 @@ impl<O: Observer> Classification<'_, '_, O> {
     fn vertex_edge_contacts(
         &mut self,
         side: Side,
-        own: &Reach,
-        other: &Reach,
+        own: &NearFeatures,
+        other: &NearFeatures,
         distance: f64,
         found: &mut Vec<ExitCandidate>,
     ) {
@@ -125,7 +132,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// v-f for vertices of A, f-v for vertices of B.
-    fn vertex_face_contacts(&mut self, side: Side, own: &Reach, found: &mut Vec<ExitCandidate>) {
+    fn vertex_face_contacts(&mut self, side: Side, own: &NearFeatures, found: &mut Vec<ExitCandidate>) {
         let faces = self.face_rejects(side.other());
         let solid = self.pair.solid(side);
         let beyond = self.kept_vertices_beyond(side, own);
@@ -166,7 +173,13 @@ impl<O: Observer> Classification<'_, '_, O> {
         }));
     }
 
-    fn edge_edge_contacts(&mut self, a: &Reach, b: &Reach, distance: f64, found: &mut Vec<ExitCandidate>) {
+    fn edge_edge_contacts(
+        &mut self,
+        a: &NearFeatures,
+        b: &NearFeatures,
+        distance: f64,
+        found: &mut Vec<ExitCandidate>,
+    ) {
         let reject = self.edges_reject();
         for &i in &a.edges {
             for &j in &b.edges {

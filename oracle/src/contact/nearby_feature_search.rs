@@ -26,7 +26,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         let off = 2.0 * (a.errors.coordinate + b.errors.coordinate);
         let radius = (margin + off) * (1.0 + 1e-9);
         // The boxes of features as they are now: both sides may move.
-        let distance = self.reach_distance() + 4.0 * radius;
+        let distance = self.culling_distances().contact + 4.0 * radius;
         let search = Search::new(self.pair, radius, balls(self), self.classic);
         let mut found = Vec::new();
         let pair = self.pair;

@@ -111,15 +111,15 @@ impl Pair<'_> {
         })
     }
 
-    /// As [`Pair::classify_keeping`]: only the pairs of features `nearby` are looked at if the blocks are proved to be near where these were found, and all if
+    /// As [`Pair::classify_with_kept`]: only the pairs of features `nearby` are looked at if the blocks are proved to be near where these were found, and all if
     /// not. The contacts are the same.
     pub fn classify_nearby(&self, tolerances: &ToleranceSet, nearby: &NearbyFeatures, kept: &[ContactKey]) -> Answer {
         if !nearby.cover(self, tolerances) {
-            return self.classify_keeping(tolerances, kept);
+            return self.classify_with_kept(tolerances, kept);
         }
-        let mut run = Classification::new(self, tolerances, Unobserved).keeping(kept);
+        let mut run = Classification::new(self, tolerances, Unobserved).with_kept(kept);
         let contacts = run.classify_among(&nearby.pairs);
-        Answer { contacts, levels: run.ladder.levels }
+        Answer { contacts, levels: run.cascade.levels }
     }
 }
 
@@ -129,8 +129,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         if !self.neighbours() {
             return Vec::new();
         }
-        // Takes note of how far territories reach; how far features reach the list says.
-        self.reach_distance();
+        self.territory_distance = self.culling_distances().territory;
         let mut found = Vec::new();
         // By vertex, for the shortest exit.
         let mut faces: SmallVec<[(Side, VertexId, FaceId); 16]> = SmallVec::new();

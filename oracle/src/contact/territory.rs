@@ -9,7 +9,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether vertices a of A and b of B lie in one another's territory: both convex and `|a − b| ≤ min(r_a, r_b)`;
     /// **a tie says yes**.
     pub(crate) fn share_territory(&mut self, a: VertexId, b: VertexId) -> bool {
-        if (!O::is_active() && self.vertices_out_of_reach(a, b, self.territory_reach))
+        if (!O::is_active() && self.vertices_out_of_reach(a, b, self.territory_distance))
             || !(self.vertex_is_convex(Side::A, a) && self.vertex_is_convex(Side::B, b))
         {
             return false;
@@ -57,7 +57,7 @@ impl<O: Observer> Classification<'_, '_, O> {
 
     /// Whether a vertex is certainly too far from an edge of the other block to be in its territory or in that of its ends.
     pub(crate) fn beyond_territory_of_edge(&self, vertex: Vertex, edge: EdgeId) -> bool {
-        !O::is_active() && self.vertex_out_of_reach_of_edge(vertex, edge, self.territory_reach)
+        !O::is_active() && self.vertex_out_of_reach_of_edge(vertex, edge, self.territory_distance)
     }
 
     /// Whether the foot of a vertex lies strictly inside an edge; **a tie says no**.

@@ -3,7 +3,7 @@
 use super::entrance::Candidate;
 use crate::classification::{Classification, Observer};
 use crate::predicate::{Face, InwardOf, LengthTolerance, NormalComponent, PolygonHeight, Vertex};
-use crate::sign_ladder::Margins;
+use crate::sign_cascade::Margins;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{ContactKey, EdgeId, Sign, Topology};
 

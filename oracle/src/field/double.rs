@@ -4,7 +4,7 @@
 //! (2022), 25/8·u². [`ROUNDING`] covers all.
 
 use super::{Field, UpperBound, dyadic};
-use crate::number::{INFLATION, LEAST, UNDERFLOW, UNIT_ROUNDOFF};
+use crate::number::{INFLATION, SMALLEST_POSITIVE, UNDERFLOW, UNIT_ROUNDOFF};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{ToPrimitive, Zero};
@@ -193,7 +193,7 @@ impl Field for DoubleBall {
         let first = self.high / divisor.high;
         // |x/y − m/w| ≤ (r + |m/w|·ρ) / (|w| − ρ).
         // A product that is lost to underflow would be large again once it is divided by a small number.
-        let carried = if divisor.radius == 0.0 { 0.0 } else { first.abs() * divisor.radius + LEAST };
+        let carried = if divisor.radius == 0.0 { 0.0 } else { first.abs() * divisor.radius + SMALLEST_POSITIVE };
         let spread = (self.radius + carried) / least * (1.0 + 8.0 * f64::EPSILON);
         if self.high.abs() < SAFE || first.abs() < SAFE || divisor.high.abs() < SAFE {
             return Some(DoubleBall::coarse(first, spread));

@@ -2,7 +2,7 @@
 //! [`UNDERFLOW`] is added wherever a result may have fallen below the normal numbers.
 
 use super::{Field, UpperBound, dyadic};
-use crate::number::{Ball, INFLATION, LEAST, UNDERFLOW, UNIT_ROUNDOFF, sum_is_exact};
+use crate::number::{Ball, INFLATION, SMALLEST_POSITIVE, UNDERFLOW, UNIT_ROUNDOFF, sum_is_exact};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Zero;
@@ -60,7 +60,7 @@ impl Field for Ball {
         // |x/y − m/w| = |x·w − y·m| / |y·w| ≤ (r + |m/w|·ρ) / (|w| − ρ).
         let middle = self.middle / divisor.middle;
         // A product that is lost to underflow would be large again once it is divided by a small number.
-        let carried = if divisor.radius == 0.0 { 0.0 } else { middle.abs() * divisor.radius + LEAST };
+        let carried = if divisor.radius == 0.0 { 0.0 } else { middle.abs() * divisor.radius + SMALLEST_POSITIVE };
         let spread = (self.radius + carried) / least;
         Some(Ball { middle, radius: (spread + middle.abs() * UNIT_ROUNDOFF) * INFLATION + UNDERFLOW })
     }

@@ -3,7 +3,7 @@ use rockproof_model::{Ring, Sign};
 
 /// A midpoint and a radius: the exact value is within `radius` of `middle`.
 ///
-/// The second level of the ladder: its bound follows the values that actually occur, and operations that round nothing
+/// The second level of the cascade: its bound follows the values that actually occur, and operations that round nothing
 /// add nothing, so that values of few binary digits stay exact and even ties are decided. Overflow gives an infinite or
 /// NaN radius, which decides nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]

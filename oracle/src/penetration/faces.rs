@@ -72,7 +72,7 @@ impl Normal {
 }
 
 /// The blocks certainly overlap no deeper (m); not above zero where a normal proves them apart, infinite where none says anything.
-pub(super) fn most_depth(a: &FaceDirections, b: &FaceDirections) -> f64 {
+pub(super) fn depth_bound(a: &FaceDirections, b: &FaceDirections) -> f64 {
     let size = a.size.max(b.size);
     // From B to A: against the outward normals of A, along those of B.
     let against = a.normals.iter().map(|n| (n.direction.map(|c| -c), n.turned));
@@ -122,7 +122,7 @@ mod tests {
                 for k in 0..12 {
                     let one = bent_cuboid(&mut numbers, bent, far);
                     let other = bent_cuboid(&mut numbers, bent, far + f64::from(k) / 8.0);
-                    let most = most_depth(&FaceDirections::of(&one), &FaceDirections::of(&other));
+                    let most = depth_bound(&FaceDirections::of(&one), &FaceDirections::of(&other));
                     let found = penetration(&one, &other).unwrap();
                     if !found.gap.sign.is_negative() {
                         continue;
@@ -142,10 +142,10 @@ mod tests {
         let mut numbers = 1;
         let of = |numbers: &mut u64, x: f64| FaceDirections::of(&bent_cuboid(numbers, 0.0, x));
         let (one, apart) = (of(&mut numbers, 0.0), of(&mut numbers, 4.0));
-        assert!(most_depth(&one, &apart) < 0.0 && most_depth(&apart, &one) < 0.0);
+        assert!(depth_bound(&one, &apart) < 0.0 && depth_bound(&apart, &one) < 0.0);
         let block = bent_cuboid(&mut numbers, 0.0, 0.0);
         let line = block.vertices().iter().map(|v| Vec3::new(v.x.clone(), v.x.clone(), v.x.clone()));
         let line = FaceDirections::of(&block.with_vertices(line.collect()));
-        assert_eq!(most_depth(&line, &line), f64::INFINITY);
+        assert_eq!(depth_bound(&line, &line), f64::INFINITY);
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn contacts<Q: Rational>(pair: &Pair<'_, Q>) -> Vec<ContactWithPlane<
     for contact in &found {
         pair.record_gap_sign(&contact.plane);
     }
-    exit::only(pair, found)
+    exit::one_exit(pair, found)
 }
 
 /// Rough phase: A's box grown by s meets B's. **Touching counts.**

@@ -69,7 +69,10 @@ fn take_group<Q: Rational>(pair: &Pair<'_, Q>, side: Side, left: &mut Vec<(FaceI
 /// **One exit**, for two convex blocks: with n* the normal of the contact with the largest gap among those whose entrance
 /// is a true exit, or among all if none is (ties by Eq. (1), to the first in sorted order), a contact with h < 0 stays only
 /// if `n·n* > 0` and `|n × n*|² ≤ so²·|n|²·|n*|²`. Expects the contacts sorted.
-pub(super) fn only<Q: Rational>(pair: &Pair<'_, Q>, contacts: Vec<ContactWithPlane<Q>>) -> Vec<ContactWithPlane<Q>> {
+pub(super) fn one_exit<Q: Rational>(
+    pair: &Pair<'_, Q>,
+    contacts: Vec<ContactWithPlane<Q>>,
+) -> Vec<ContactWithPlane<Q>> {
     if !pair.a.block.is_convex() || !pair.b.block.is_convex() {
         return contacts;
     }

@@ -75,34 +75,34 @@ pub type TracedDecision = (Decision, i8, bool);
 /// assert_eq!((found[0].contact.kind().name(), found[0].contact.gap), ("v-v", Sign::Positive));
 /// ```
 pub fn classify<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet) -> Vec<ExactContact<Q>> {
-    classify_keeping(a, b, tolerances, &[])
+    classify_with_kept(a, b, tolerances, &[])
 }
 
 /// [`classify`] where the step before left the contacts `kept` of the pair closed, in any order: these may be deeper
 /// than g. Every other condition holds for them too.
-pub fn classify_keeping<Q: Rational>(
+pub fn classify_with_kept<Q: Rational>(
     a: &Block,
     b: &Block,
     tolerances: &ToleranceSet,
     kept: &[ContactKey],
 ) -> Vec<ExactContact<Q>> {
-    let pair = pair::Pair::new(a, b, tolerances, pair::DecisionLog::off()).keeping(kept);
+    let pair = pair::Pair::new(a, b, tolerances, pair::DecisionLog::off()).with_kept(kept);
     classify::contacts(&pair).into_iter().map(pair::ContactWithPlane::published).collect()
 }
 
 /// Every decision that [`classify`] evaluates for the pair, each once, in the order of its first evaluation.
 pub fn trace<Q: Rational>(a: &Block, b: &Block, tolerances: &ToleranceSet) -> Vec<TracedDecision> {
-    trace_keeping::<Q>(a, b, tolerances, &[])
+    trace_with_kept::<Q>(a, b, tolerances, &[])
 }
 
-/// Every decision that [`classify_keeping`] evaluates, as [`trace`] gives them.
-pub fn trace_keeping<Q: Rational>(
+/// Every decision that [`classify_with_kept`] evaluates, as [`trace`] gives them.
+pub fn trace_with_kept<Q: Rational>(
     a: &Block,
     b: &Block,
     tolerances: &ToleranceSet,
     kept: &[ContactKey],
 ) -> Vec<TracedDecision> {
-    let pair = pair::Pair::<Q>::new(a, b, tolerances, pair::DecisionLog::on()).keeping(kept);
+    let pair = pair::Pair::<Q>::new(a, b, tolerances, pair::DecisionLog::on()).with_kept(kept);
     classify::contacts(&pair);
     pair.into_trace()
 }

@@ -62,7 +62,7 @@ impl<'a, Q: Rational> Pair<'a, Q> {
     }
 
     /// The same pair with contacts kept from the step before.
-    pub(super) fn keeping(self, kept: &[ContactKey]) -> Self {
+    pub(super) fn with_kept(self, kept: &[ContactKey]) -> Self {
         Pair { kept: kept.iter().copied().collect(), ..self }
     }
 

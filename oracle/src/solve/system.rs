@@ -71,7 +71,7 @@ pub struct SpdSystem {
 
 impl SpdSystem {
     /// Most bits an enclosure is worked out with.
-    pub const CAP: u32 = 16_384;
+    pub const MAX_BITS: u32 = 16_384;
 
     /// The system with this matrix, row by row, and this right side.
     ///
@@ -101,12 +101,12 @@ impl SpdSystem {
     /// An enclosure whose radius is at most `2^−bits` of the largest unknown.
     ///
     /// # Errors
-    /// When the matrix is not positive definite, or [`SpdSystem::CAP`] bits are not enough.
+    /// When the matrix is not positive definite, or [`SpdSystem::MAX_BITS`] bits are not enough.
     pub fn enclosure(&self, bits: u32) -> Result<Vec<Enclosed>, SolveError> {
         let factor = Factor::new(&self.rounded::<Ball>(53));
         let mut working = bits + 64;
         let mut definite = factor.is_some();
-        while working <= Self::CAP {
+        while working <= Self::MAX_BITS {
             if let Some(solution) = WideBall::solve(&self.rounded(working), factor.as_ref(), working) {
                 definite = true;
                 let largest = solution.iter().map(WideBall::size).max();
@@ -117,7 +117,7 @@ impl SpdSystem {
             }
             working *= 2;
         }
-        Err(if definite { SolveError::Bits { cap: Self::CAP } } else { SolveError::NotPositiveDefinite })
+        Err(if definite { SolveError::Bits { cap: Self::MAX_BITS } } else { SolveError::NotPositiveDefinite })
     }
 
     /// The exact solution.

@@ -5,7 +5,7 @@ use crate::number::{Ball, Bits, Int128};
 use crate::pair::{Int256, Int512, Int1024, Pair};
 use crate::predicate::{Factor, LargerGap, Polynomial};
 use crate::prepared_block::PreparedBlock;
-use crate::sign_ladder::SignLadder;
+use crate::sign_cascade::SignCascade;
 use crate::view::{BallView, LazyScales, Scales};
 use num_bigint::BigInt;
 use rockproof_model::{Block, BlockOptions, Entrance, FaceId, Number, Sign, ToleranceSet, Vec3, VertexId};
@@ -58,8 +58,8 @@ impl Seen {
     }
 }
 
-/// Holds what the ladder concludes from the enclosure of a polynomial's value against the value.
-pub(super) fn check<P: Polynomial>(run: &SignLadder<'_, '_>, p: &P, exact: Sign, about: &str) -> Seen {
+/// Holds what the cascade concludes from the enclosure of a polynomial's value against the value.
+pub(super) fn check<P: Polynomial>(run: &SignCascade<'_, '_>, p: &P, exact: Sign, about: &str) -> Seen {
     let (pair, t) = (run.pair, run.tolerances);
     let slot = P::FIRST_SLOT + p.variant();
     let made: OnceCell<Scales<Ball>> = OnceCell::new();
@@ -152,7 +152,7 @@ fn gaps_to_planes_that_are_nearly_parallel_are_not_equal() {
     let (pair, tolerances) = (Pair::new(&solids[0], &solids[1]), without_tolerances());
     let entrance = |face| Entrance::VertexFace(VertexId::at(0), FaceId::at(face));
     let gaps = LargerGap { first: entrance(1), second: entrance(0), factor: Factor::One };
-    let mut run = SignLadder::new(&pair, &tolerances);
+    let mut run = SignCascade::new(&pair, &tolerances);
     let made: OnceCell<Scales<Ball>> = OnceCell::new();
     let scales = LazyScales { made: &made, make: &|| Scales::balls(&tolerances) };
     let balls = BallView { floats: run.float_view(), scales };

@@ -1,9 +1,9 @@
-//! The ladder at the limits of its levels: values that f64 cannot hold, and values as wide as an integer.
+//! The cascade at the limits of its levels: values that f64 cannot hold, and values as wide as an integer.
 
 use crate::pair::Pair;
 use crate::predicate::{BeyondVertex, BoxesMeet};
 use crate::prepared_block::PreparedBlock;
-use crate::sign_ladder::SignLadder;
+use crate::sign_cascade::SignCascade;
 use crate::soundness::without_tolerances;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -30,7 +30,7 @@ fn infinite_values_prove_no_sign() {
     let t = without_tolerances();
     for (b, expected) in [(one, Sign::Negative), (other, Sign::Positive)] {
         let pair = Pair::new(&a, &b);
-        let mut run = SignLadder::new(&pair, &t);
+        let mut run = SignCascade::new(&pair, &t);
         let asked = BeyondVertex { point: (Side::A, VertexId(0)), at: (Side::B, VertexId(0)), edge: EdgeId(0) };
         for time in 1..=2 {
             assert_eq!(run.sign(&asked), expected, "time {time}");
@@ -57,7 +57,7 @@ fn values_as_wide_as_an_integer_go_to_a_wider_one() {
             let mut t = without_tolerances();
             t.search = number(power(width - 1) - 1);
             let pair = Pair::new(&a, &b);
-            let mut run = SignLadder::new(&pair, &t);
+            let mut run = SignCascade::new(&pair, &t);
             let low = a.extremes[0].0;
             let asked = BoxesMeet { low: (Side::A, low), high: (Side::B, high), axis: 0 };
             assert!(run.exact_sign(&asked).is_positive(), "{width} bits, 2^{m}");

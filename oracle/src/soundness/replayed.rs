@@ -65,16 +65,16 @@ fn margins_by_a_recorded_classification_are_those_of_one_of_its_own() {
         let pair = Pair::new(&a, &b);
         let mut plain = MeasureAll::default();
         let observer: &mut dyn Observer = &mut plain;
-        Classification::new(&pair, &t, observer).keeping(kept).classify();
+        Classification::new(&pair, &t, observer).with_kept(kept).classify();
         let plain = plain.margins;
         let decisions: Vec<Decision> = plain.iter().map(|(decision, _)| *decision).collect();
-        let traced: Vec<Decision> = pair.trace_keeping(&t, kept).iter().map(|entry| entry.decision).collect();
+        let traced: Vec<Decision> = pair.trace_with_kept(&t, kept).iter().map(|entry| entry.decision).collect();
         assert_eq!(traced, decisions, "round {round}");
         // All, every third in another order than they are made in, and one; with another trace between.
         let thirds: Vec<Decision> = decisions.iter().rev().step_by(3).copied().collect();
         pair.trace(&other);
         for wanted in [&decisions, &thirds, &decisions[..1].to_vec()] {
-            let margins = pair.margins_keeping(&t, kept, wanted);
+            let margins = pair.margins_with_kept(&t, kept, wanted);
             assert_eq!(margins.len(), wanted.len());
             for (decision, margin) in wanted.iter().zip(margins) {
                 let right = plain.iter().find(|(known, _)| known == decision).and_then(|(_, margin)| *margin);

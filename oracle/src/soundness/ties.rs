@@ -1,6 +1,6 @@
 //! Solved ties: for every slot of polynomials a tolerance or a coordinate is chosen so that the polynomial is exactly zero, then moved by
-//! one last place to either side, with numbers of so many digits that each level of the ladder has to decide. Every level, and the
-//! ladder as a whole, must say what fractions say: they are taken in metres, without lattice, widths or bounds.
+//! one last place to either side, with numbers of so many digits that each level of the cascade has to decide. Every level, and the
+//! cascade as a whole, must say what fractions say: they are taken in metres, without lattice, widths or bounds.
 
 use super::{Dice, Visitor, bits_of, check_widths, in_integers, show_all, without_tolerances};
 use crate::field::Field;
@@ -9,7 +9,7 @@ use crate::number::Ball;
 use crate::pair::Pair;
 use crate::predicate::{Polynomial, SLOTS};
 use crate::prepared_block::PreparedBlock;
-use crate::sign_ladder::SignLadder;
+use crate::sign_cascade::SignCascade;
 use crate::view::{BallView, ExactBlock, ExactPair, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
 use num_integer::Integer;
@@ -88,7 +88,7 @@ impl Numbers {
         })
     }
 
-    /// The same as the ladder is given them, lengths over `2^shift`.
+    /// The same as the cascade is given them, lengths over `2^shift`.
     fn given(&self, shapes: &[Block; 2], shift: u32) -> ([PreparedBlock; 2], ToleranceSet) {
         let unit = BigRational::new(BigInt::one(), BigInt::one() << shift);
         let length = |value: &BigRational| Number::from_rational(value * &unit);
@@ -187,7 +187,7 @@ impl Solver<'_> {
         Variable::Coordinate { block, vertex, axis: self.dice.below(3) as usize }
     }
 
-    /// Holds that each level that can say it, and the ladder, say what fractions say; the level that integers took, and whether balls
+    /// Holds that each level that can say it, and the cascade, say what fractions say; the level that integers took, and whether balls
     /// know the sign.
     fn check<P: Polynomial>(&self, p: &P, numbers: &Numbers, shift: u32) -> (Sign, usize, bool) {
         let exact = ExactRing::sign(&numbers.value(self.shapes, p));
@@ -198,14 +198,14 @@ impl Solver<'_> {
         let bits = bits_of(&pair, &t, p);
         assert_eq!(in_integers::<P, BigInt>(&pair, &t, p), exact, "integers on the heap, slot {slot}, {about}");
         check_widths(&pair, &t, p, bits, exact, &about);
-        let mut run = SignLadder::new(&pair, &t);
+        let mut run = SignCascade::new(&pair, &t);
         assert_eq!(run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
         let mut expected = [0; LEVELS];
         expected[level_of(bits.0)] = 1;
         assert_eq!(by_level(&run.levels), expected, "the level for {bits:?}, slot {slot}");
         // Twice: the second time the bound for all pairs of the size is known.
         for time in 1..=2 {
-            assert_eq!(run.sign(p), exact, "the ladder, slot {slot}, time {time}, {about}");
+            assert_eq!(run.sign(p), exact, "the cascade, slot {slot}, time {time}, {about}");
         }
         let floats = Scales::approximate(&t);
         let balls = p.value(&BallView {

@@ -1,6 +1,6 @@
 //! What a step is told, and what it answers.
 
-use super::ladder::StepLevels;
+use super::cascade::StepLevelCounts;
 use super::state::{Mode, State};
 use crate::LevelCounts;
 use num_rational::BigRational;
@@ -101,7 +101,7 @@ pub struct StepAnswer {
     /// The state after the step.
     pub state: State,
     /// Which level settled how many decisions of all attempts.
-    pub levels: StepLevels,
+    pub levels: StepLevelCounts,
     /// The same of the classification.
     pub contact_levels: LevelCounts,
 }
@@ -169,7 +169,7 @@ pub struct CertifiedStep {
     /// The Δt accepted (s).
     pub time_step: BigRational,
     /// Which level settled how many decisions of all attempts.
-    pub levels: StepLevels,
+    pub levels: StepLevelCounts,
     /// The same of the classification.
     pub contact_levels: LevelCounts,
 }

@@ -74,9 +74,9 @@ impl<'a, S: Field> AttemptState<'a, S> {
         AttemptState {
             attempt,
             bits,
-            moments: unmade(attempt.blocks.len()),
-            contacts: unmade(attempt.started.len()),
-            base: unmade(attempt.blocks.len()),
+            moments: empty_cells(attempt.blocks.len()),
+            contacts: empty_cells(attempt.started.len()),
+            base: empty_cells(attempt.blocks.len()),
             joints,
             limits,
             iterates: Vec::new(),
@@ -154,8 +154,8 @@ impl<'a, S: Field> AttemptState<'a, S> {
             .map(|row| row.iter().zip(&velocity).fold(S::from_i32(0), |sum, (m, v)| sum.plus(&m.times(v))))
             .map(|momentum| momentum.times(&inertia))
             .collect();
-        for (place, pull) in right.iter_mut().zip(weight.components()) {
-            *place = place.plus(pull);
+        for (place, force) in right.iter_mut().zip(weight.components()) {
+            *place = place.plus(force);
         }
         for row in &mut matrix {
             row.truncate(size);
@@ -207,7 +207,7 @@ impl<'a, S: Field> AttemptState<'a, S> {
 }
 
 /// Room for so many parts that are made when first asked for.
-pub(super) fn unmade<T>(count: usize) -> Vec<OnceCell<T>> {
+pub(super) fn empty_cells<T>(count: usize) -> Vec<OnceCell<T>> {
     std::iter::repeat_with(OnceCell::new).take(count).collect()
 }
 

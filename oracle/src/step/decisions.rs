@@ -4,7 +4,7 @@ use super::attempt_state::AttemptState;
 use super::frame;
 use super::friction::SlipForce;
 use super::state::Mode;
-use super::system::Stepwise;
+use super::system::StepNumber;
 use crate::field::Field;
 use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Sign, Vec3};
@@ -12,7 +12,7 @@ use rockproof_model::{Sign, Vec3};
 /// A question that any level can be asked.
 pub(crate) trait StepDecision {
     type Answer;
-    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Self::Answer>;
+    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Self::Answer>;
     /// The contact it is about, if it is about one.
     fn contact(&self) -> Option<usize> {
         None
@@ -30,7 +30,7 @@ impl StepDecision for NextMode {
     fn contact(&self) -> Option<usize> {
         Some(self.contact)
     }
-    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Mode> {
+    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Mode> {
         let k = self.contact;
         let (contact, joint, iterate) = (chain.contact(k)?, &chain.joints[k], chain.iterates.last()?);
         let gap = chain.gap(iterate, k)?;
@@ -94,7 +94,7 @@ pub(crate) const SETTLED: i32 = 100;
 
 impl StepDecision for FrictionSettled<'_> {
     type Answer = bool;
-    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<bool> {
+    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<bool> {
         let iterate = chain.iterates.last()?;
         let excess = chain.force_changes(iterate, self.modes)?;
         let excess = excess.iter().map(|[change, pressure]| change.times(&S::from_i32(SETTLED)).minus(pressure));
@@ -107,11 +107,11 @@ impl StepDecision for FrictionSettled<'_> {
 }
 
 /// Which block moves a vertex beyond u.
-pub(crate) struct TooFar;
+pub(crate) struct DisplacementExceeded;
 
-impl StepDecision for TooFar {
+impl StepDecision for DisplacementExceeded {
     type Answer = Option<usize>;
-    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
+    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
         let iterate = chain.iterates.last()?;
         for (block, _) in chain.attempt.moving() {
             let (moments, d) = (chain.moments(block)?, chain.displacement(iterate, block)?);
@@ -127,11 +127,11 @@ impl StepDecision for TooFar {
 }
 
 /// Which block turns beyond ω.
-pub(crate) struct TooTurned;
+pub(crate) struct RotationExceeded;
 
-impl StepDecision for TooTurned {
+impl StepDecision for RotationExceeded {
     type Answer = Option<usize>;
-    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
+    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
         let iterate = chain.iterates.last()?;
         for (block, _) in chain.attempt.moving() {
             let d = chain.displacement(iterate, block)?;
@@ -150,7 +150,7 @@ pub(crate) struct Inverted;
 
 impl StepDecision for Inverted {
     type Answer = Option<usize>;
-    fn ask<S: Stepwise>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
+    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
         let iterate = chain.iterates.last()?;
         let turns = chain.attempt.model.simulation.control.kinematics == Kinematics::Linear;
         let [zero, one] = [0, 1].map(S::from_i32);

@@ -27,7 +27,7 @@ fn pulled<S: Field>(x: [&S; 3], n: [&S; 3], k: usize) -> S {
 }
 
 /// `T(x)ᵀ·n`, X relative to the centroid.
-pub(crate) fn pull<S: Field>(x: &Vec3<S>, n: &Vec3<S>) -> Vec<S> {
+pub(crate) fn generalized<S: Field>(x: &Vec3<S>, n: &Vec3<S>) -> Vec<S> {
     (0..UNKNOWNS).map(|k| pulled(x.components(), n.components(), k)).collect()
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn displacement<S: Field>(x: &Vec3<S>, d: &[S]) -> Vec3<S> {
 pub(crate) fn rows<S: Field>(x: &Vec3<S>) -> [Vec<S>; 3] {
     std::array::from_fn(|axis| {
         let [a, b, c] = std::array::from_fn(|k| S::from_i32(i32::from(k == axis)));
-        pull(x, &Vec3::new(a, b, c))
+        generalized(x, &Vec3::new(a, b, c))
     })
 }
 

@@ -4,7 +4,7 @@
 use super::attempt_state::AttemptState;
 use super::iterate::Iterate;
 use super::state::Mode;
-use super::system::Stepwise;
+use super::system::StepNumber;
 use crate::field::Field;
 use rockproof_model::Vec3;
 
@@ -41,7 +41,7 @@ impl<S: Field> SlipForce<S> {
     }
 }
 
-impl<S: Stepwise> AttemptState<'_, S> {
+impl<S: StepNumber> AttemptState<'_, S> {
     /// What friction does in the next solve to each contact that slides in these modes. `None` where this type has no such root, or
     /// cannot tell a slip from none.
     pub(crate) fn friction(&self, modes: &[Mode]) -> Option<Vec<Option<SlipForce<S>>>> {

@@ -1,11 +1,11 @@
 //! One solve of an attempt in one number type, and what is asked of it: displacements, gaps and stretches, each calculated when first asked for.
 
-use super::attempt_state::{AttemptState, unmade};
+use super::attempt_state::{AttemptState, empty_cells};
+use super::cascade::EXACT_UNKNOWNS;
 use super::friction::SlipForce;
 use super::islands::islands_up_to;
-use super::ladder::EXACT_UNKNOWNS;
 use super::state::Mode;
-use super::system::{StepSupport, Stepwise, System};
+use super::system::{StepNumber, StepSupport, System};
 use rockproof_model::Vec3;
 use std::cell::OnceCell;
 
@@ -39,7 +39,7 @@ impl<S> Iterate<S> {
     }
 }
 
-impl<S: Stepwise> AttemptState<'_, S> {
+impl<S: StepNumber> AttemptState<'_, S> {
     /// Solves once more, with these modes; `None` where this type cannot. `start` is what a cheaper type has found, without radius.
     pub(crate) fn advance(
         &mut self,
@@ -52,9 +52,9 @@ impl<S: Stepwise> AttemptState<'_, S> {
             modes: modes.to_vec(),
             friction,
             islands: if S::BY_ISLAND { self.islands(modes)? } else { Vec::new() },
-            displacements: unmade(self.attempt.blocks.len()),
-            motions: unmade(modes.len()),
-            stretches: unmade(modes.len()),
+            displacements: empty_cells(self.attempt.blocks.len()),
+            motions: empty_cells(modes.len()),
+            stretches: empty_cells(modes.len()),
         };
         if !S::BY_ISLAND {
             let system = System::of(self, modes, &iterate.friction, None)?;

@@ -3,8 +3,8 @@
 use super::answer::{FailedAttempt, IterationEnd, RetryReason, SLIPPING_SOLVES, StepFailure, UNCHANGED_SOLVES};
 use super::attempt::Attempt;
 use super::attempt_state::AttemptState;
-use super::decisions::{FrictionSettled, Inverted, NextMode, TooFar, TooTurned};
-use super::ladder::{Ladder, StepLevels};
+use super::cascade::{Cascade, StepLevelCounts};
+use super::decisions::{DisplacementExceeded, FrictionSettled, Inverted, NextMode, RotationExceeded};
 use super::prepare::PreparedStep;
 use super::state::Mode;
 use crate::number::Ball;
@@ -31,52 +31,55 @@ pub(super) struct IterationResult {
 /// Tries until an attempt is good, or the last one allowed, and hands it on.
 pub(super) fn attempts<T>(
     prepared: &PreparedStep<'_>,
-    finish: impl FnOnce(Ladder<'_>, &Attempt<'_>, IterationResult, Vec<FailedAttempt>) -> Result<T, StepFailure>,
+    finish: impl FnOnce(Cascade<'_>, &Attempt<'_>, IterationResult, Vec<FailedAttempt>) -> Result<T, StepFailure>,
 ) -> Result<T, StepFailure> {
     let smallest = prepared.full_time_step() / BigInt::from(Control::SMALLEST);
-    let (mut time_step, mut retries, mut levels) = (first_time_step(prepared), Vec::new(), StepLevels::default());
+    let (mut time_step, mut retries, mut levels) = (first_time_step(prepared), Vec::new(), StepLevelCounts::default());
     loop {
         let attempt = prepared.attempt(time_step.clone());
-        let mut ladder = Ladder::new(&attempt, &prepared.layout, levels);
-        let iterated = iterate(&mut ladder, &attempt);
-        let beyond =
-            if iterated.end.is_converged() { beyond_limits(&mut ladder) } else { Some((RetryReason::NotConverged, 0)) };
+        let mut cascade = Cascade::new(&attempt, &prepared.layout, levels);
+        let iterated = iterate(&mut cascade, &attempt);
+        let beyond = if iterated.end.is_converged() {
+            beyond_limits(&mut cascade)
+        } else {
+            Some((RetryReason::NotConverged, 0))
+        };
         let Some((reason, block)) = beyond else {
-            volumes_stay(&mut ladder)?;
-            return finish(ladder, &attempt, iterated, retries);
+            volumes_stay(&mut cascade)?;
+            return finish(cascade, &attempt, iterated, retries);
         };
         let (numerator, denominator) = if reason == RetryReason::NotConverged { Control::CUT } else { (1, 2) };
         let shorter = &time_step * BigRational::new(numerator.into(), denominator.into());
         if shorter < smallest {
             return match (reason, prepared.model.simulation.control.unconverged) {
                 (RetryReason::NotConverged, Unconverged::Accept) => {
-                    volumes_stay(&mut ladder)?;
-                    finish(ladder, &attempt, iterated, retries)
+                    volumes_stay(&mut cascade)?;
+                    finish(cascade, &attempt, iterated, retries)
                 }
                 (RetryReason::NotConverged, Unconverged::Stop) => Err(StepFailure::NotConverged),
                 (limit, _) => Err(StepFailure::TooFast { block, limit }),
             };
         }
-        levels = ladder.levels;
-        let solves = ladder.modes().len() as u32;
+        levels = cascade.levels;
+        let solves = cascade.modes().len() as u32;
         let time_step = std::mem::replace(&mut time_step, shorter);
         retries.push(FailedAttempt { time_step, reason, solves, end: iterated.end });
     }
 }
 
-fn iterate(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>) -> IterationResult {
+fn iterate(cascade: &mut Cascade<'_>, attempt: &Attempt<'_>) -> IterationResult {
     let mut modes = attempt.first_modes();
     let (mut unchanged, mut changing) = (0, 0);
     loop {
-        ladder.solve(modes.clone());
-        let next = |(contact, &mode)| ladder.ask(&NextMode { contact, mode }).unwrap_or(mode);
+        cascade.solve(modes.clone());
+        let next = |(contact, &mode)| cascade.ask(&NextMode { contact, mode }).unwrap_or(mode);
         let after: Vec<Mode> = modes.iter().enumerate().map(next).collect();
         // The last solve allowed without a change ends the iteration whether friction has settled or not.
         if after == modes && unchanged + 1 == UNCHANGED_SOLVES {
             return IterationResult { after, end: IterationEnd::Unchanged };
         }
         let stays_closed = modes.iter().zip(&after).all(|(mode, next)| (*mode == Mode::Open) == (*next == Mode::Open));
-        if stays_closed && has_settled(ladder, [&modes, &after]) {
+        if stays_closed && has_settled(cascade, [&modes, &after]) {
             return IterationResult { after, end: IterationEnd::Settled };
         }
         if after == modes {
@@ -92,15 +95,15 @@ fn iterate(ladder: &mut Ladder<'_>, attempt: &Attempt<'_>) -> IterationResult {
 }
 
 /// Whether friction has settled in the last solve, in which no contact opened or closed. Where that stays undecided it counts as settled.
-fn has_settled(ladder: &mut Ladder<'_>, modes: [&[Mode]; 2]) -> bool {
+fn has_settled(cascade: &mut Cascade<'_>, modes: [&[Mode]; 2]) -> bool {
     // Only sliding contacts change their force.
     let slides = modes.iter().any(|modes| modes.contains(&Mode::Sliding));
-    !slides || ladder.ask(&FrictionSettled { modes }).unwrap_or(true)
+    !slides || cascade.ask(&FrictionSettled { modes }).unwrap_or(true)
 }
 
-fn beyond_limits(ladder: &mut Ladder<'_>) -> Option<(RetryReason, usize)> {
-    let far = ladder.ask(&TooFar).flatten().map(|block| (RetryReason::Displacement, block));
-    far.or_else(|| ladder.ask(&TooTurned).flatten().map(|block| (RetryReason::Rotation, block)))
+fn beyond_limits(cascade: &mut Cascade<'_>) -> Option<(RetryReason, usize)> {
+    let far = cascade.ask(&DisplacementExceeded).flatten().map(|block| (RetryReason::Displacement, block));
+    far.or_else(|| cascade.ask(&RotationExceeded).flatten().map(|block| (RetryReason::Rotation, block)))
 }
 
 /// A block of which the rotations and strains are together below this keeps its volume positive: the linear part of its map is I + E, a row of E
@@ -108,15 +111,15 @@ fn beyond_limits(ladder: &mut Ladder<'_>) -> Option<(RetryReason, usize)> {
 const NO_INVERSION: f64 = 0.5;
 
 /// That every block keeps a positive volume. Where that stays undecided it counts as kept.
-fn volumes_stay(ladder: &mut Ladder<'_>) -> Result<(), StepFailure> {
+fn volumes_stay(cascade: &mut Cascade<'_>) -> Result<(), StepFailure> {
     let bound = |d: &Vec<Ball>| d.iter().skip(3).map(|value| value.middle.abs() + value.radius).sum::<f64>();
     let is_small = |chain: &AttemptState<'_, Ball>| {
         let last = chain.iterates.last()?;
         let mut blocks = 0..chain.attempt.blocks.len();
         Some(blocks.all(|block| chain.displacement(last, block).is_some_and(|d| bound(d) < NO_INVERSION)))
     };
-    if ladder.float().and_then(is_small) == Some(true) {
+    if cascade.float().and_then(is_small) == Some(true) {
         return Ok(());
     }
-    ladder.ask(&Inverted).flatten().map_or(Ok(()), |block| Err(StepFailure::Inverted { block }))
+    cascade.ask(&Inverted).flatten().map_or(Ok(()), |block| Err(StepFailure::Inverted { block }))
 }

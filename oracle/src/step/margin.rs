@@ -6,7 +6,7 @@ use super::decisions::SETTLED;
 use super::iteration::attempts;
 use super::prepare::PreparedStep;
 use super::state::{Mode, State};
-use super::system::Stepwise;
+use super::system::StepNumber;
 use crate::field::Field;
 
 /// How far the quantities behind a contact's mode were from deciding otherwise, after one solve: value over the sum of the
@@ -31,9 +31,9 @@ pub struct ModeMargin {
 /// When the step cannot be made: see [`StepFailure`].
 pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<ModeMargin>>, StepFailure> {
     let prepared = PreparedStep::new(model, state)?;
-    attempts(&prepared, |mut ladder, _, _, _| {
-        let solves = ladder.modes().to_vec();
-        let Some(chain) = ladder.double() else { return Ok(Vec::new()) };
+    attempts(&prepared, |mut cascade, _, _, _| {
+        let solves = cascade.modes().to_vec();
+        let Some(chain) = cascade.double() else { return Ok(Vec::new()) };
         let of_solve = |(solve, modes): (usize, &Vec<Mode>)| {
             modes.iter().enumerate().map(|(contact, mode)| margin(chain, solve, contact, *mode)).collect()
         };
@@ -49,10 +49,10 @@ pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<Mode
 /// When the step cannot be made: see [`StepFailure`].
 pub fn friction_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Option<f64>>, StepFailure> {
     let prepared = PreparedStep::new(model, state)?;
-    attempts(&prepared, |mut ladder, _, iterated, _| {
-        let mut modes = ladder.modes().to_vec();
+    attempts(&prepared, |mut cascade, _, iterated, _| {
+        let mut modes = cascade.modes().to_vec();
         modes.push(iterated.after);
-        let Some(chain) = ladder.double() else { return Ok(vec![None; modes.len() - 1]) };
+        let Some(chain) = cascade.double() else { return Ok(vec![None; modes.len() - 1]) };
         let of_solve = |(solve, modes): (usize, &[Vec<Mode>])| {
             let sums = chain.force_changes(chain.iterates.get(solve)?, [&modes[0], &modes[1]])?;
             let of_block = |[change, pressure]: &[_; 2]| {
@@ -65,7 +65,7 @@ pub fn friction_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Opti
     })
 }
 
-fn margin<S: Stepwise>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode: Mode) -> ModeMargin {
+fn margin<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode: Mode) -> ModeMargin {
     ModeMargin {
         equal: equal(chain, solve, k),
         gap: gap(chain, solve, k, mode),
@@ -83,13 +83,13 @@ fn share(value: f64, terms: f64) -> Option<f64> {
     share.is_finite().then_some(share)
 }
 
-fn equal<S: Stepwise>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
+fn equal<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
     let square = chain.gap(chain.iterates.get(solve)?, k)?.squared();
     let limit = chain.limits.equal.times(&chain.contact(k)?.gap.squared());
     share(near(&square.minus(&limit)), near(&square).abs() + near(&limit).abs())
 }
 
-fn gap<S: Stepwise>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode: Mode) -> Option<f64> {
+fn gap<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode: Mode) -> Option<f64> {
     let (contact, joint) = (chain.contact(k)?, &chain.joints[k]);
     let gap = chain.gap(chain.iterates.get(solve)?, k)?;
     let length = |square: &S| match square.is_zero() {
@@ -110,14 +110,14 @@ fn gap<S: Stepwise>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode: M
     share(near(&value), near(&contact.gap).abs() + near(&change).abs() + near(&limit).abs())
 }
 
-fn slip<S: Stepwise>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
+fn slip<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
     let (contact, joint, iterate) = (chain.contact(k)?, &chain.joints[k], chain.iterates.get(solve)?);
     let shear = joint.shear.squared().times(&chain.stretch(iterate, k)?.norm_squared()).times(&contact.square);
     let strength = chain.strength(k, chain.gap(iterate, k)?)?.squared();
     share(near(&shear.minus(&strength)), near(&shear).abs() + near(&strength).abs())
 }
 
-fn turn<S: Stepwise>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
+fn turn<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
     let iterate = chain.iterates.get(solve)?;
     let (s, last) = (chain.stretch(iterate, k)?, &iterate.friction[k].as_ref()?.last);
     let terms = s.components().into_iter().zip(last.components()).map(|(a, b)| near(&a.times(b)).abs());

@@ -105,7 +105,7 @@ fn contacts(
     for [i, j] in neighbours(model, &solids) {
         let of_pair = before.iter().filter(|memory| memory.blocks == [i, j] && memory.mode != Mode::Open);
         let kept: Vec<ContactKey> = of_pair.map(|memory| memory.contact.key).collect();
-        let answer = Pair::new(&solids[i], &solids[j]).classify_keeping(model.tolerances, &kept);
+        let answer = Pair::new(&solids[i], &solids[j]).classify_with_kept(model.tolerances, &kept);
         levels += answer.levels;
         found.extend(answer.contacts.into_iter().map(|contact| ([i, j], contact)));
     }

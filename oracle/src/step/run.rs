@@ -3,11 +3,11 @@
 use super::answer::{CertifiedStep, EnclosedStep, GapChange, StepAnswer, StepFailure, StepModel};
 use super::attempt::Attempt;
 use super::attempt_state::AttemptState;
+use super::cascade::Cascade;
 use super::iteration::{attempts, first_time_step};
-use super::ladder::Ladder;
 use super::prepare::PreparedStep;
 use super::state::{BlockState, KeptPrecision, Mode, State};
-use super::system::Stepwise;
+use super::system::StepNumber;
 use super::update::{gap_changes, updated};
 use crate::solve::SpdSystem;
 use num_rational::BigRational;
@@ -28,9 +28,9 @@ pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedS
 /// # Errors
 /// When the step cannot be made: see [`StepFailure`].
 pub fn enclosed_step(model: &StepModel<'_>, state: &State) -> Result<EnclosedStep, StepFailure> {
-    let enclosed = |ladder: &mut Ladder<'_>| {
-        let float = ladder.float().and_then(displacements).filter(|d| are_narrow(d));
-        float.or_else(|| ladder.double().and_then(displacements))
+    let enclosed = |cascade: &mut Cascade<'_>| {
+        let float = cascade.float().and_then(displacements).filter(|d| are_narrow(d));
+        float.or_else(|| cascade.double().and_then(displacements))
     };
     certified_and(model, state, enclosed).map(|(decided, displacements)| EnclosedStep { decided, displacements })
 }
@@ -39,20 +39,20 @@ pub fn enclosed_step(model: &StepModel<'_>, state: &State) -> Result<EnclosedSte
 fn certified_and<T>(
     model: &StepModel<'_>,
     state: &State,
-    ask: impl FnOnce(&mut Ladder<'_>) -> T,
+    ask: impl FnOnce(&mut Cascade<'_>) -> T,
 ) -> Result<(CertifiedStep, T), StepFailure> {
     let prepared = PreparedStep::new(model, state)?;
-    let (mut certified, asked) = attempts(&prepared, |mut ladder, attempt, iterated, retries| {
-        let asked = ask(&mut ladder);
+    let (mut certified, asked) = attempts(&prepared, |mut cascade, attempt, iterated, retries| {
+        let asked = ask(&mut cascade);
         let certified = CertifiedStep {
             contacts: Vec::new(),
-            iterations: ladder.modes().len() as u32,
+            iterations: cascade.modes().len() as u32,
             end: iterated.end,
             converged: iterated.end.is_converged(),
-            modes: modes(&ladder, iterated.after),
+            modes: modes(&cascade, iterated.after),
             retries,
             time_step: attempt.time_step.clone(),
-            levels: ladder.levels,
+            levels: cascade.levels,
             contact_levels: prepared.contact_levels,
         };
         Ok((certified, asked))
@@ -62,7 +62,7 @@ fn certified_and<T>(
 }
 
 /// The unknowns of each block after the last solve, each as an f64 and at least its distance from the exact value.
-fn displacements<S: Stepwise>(chain: &AttemptState<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
+fn displacements<S: StepNumber>(chain: &AttemptState<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
     let last = chain.iterates.last()?;
     let pairs = |block| {
         let d = chain.displacement(last, block)?;
@@ -93,19 +93,19 @@ pub fn first_system(model: &StepModel<'_>, state: &State) -> Option<SpdSystem> {
 /// When the step cannot be made or its state not be kept as asked: see [`StepFailure`].
 pub fn exact_step(model: &StepModel<'_>, state: &State, keep: KeptPrecision) -> Result<StepAnswer, StepFailure> {
     let prepared = PreparedStep::new(model, state)?;
-    let mut answer = attempts(&prepared, |mut ladder, attempt, iterated, retries| {
-        let (state, gaps) = kept(&mut ladder, attempt, &iterated.after, keep).ok_or(StepFailure::NotKept)?;
+    let mut answer = attempts(&prepared, |mut cascade, attempt, iterated, retries| {
+        let (state, gaps) = kept(&mut cascade, attempt, &iterated.after, keep).ok_or(StepFailure::NotKept)?;
         Ok(StepAnswer {
             contacts: Vec::new(),
-            iterations: ladder.modes().len() as u32,
+            iterations: cascade.modes().len() as u32,
             end: iterated.end,
             converged: iterated.end.is_converged(),
-            modes: modes(&ladder, iterated.after),
+            modes: modes(&cascade, iterated.after),
             retries,
             time_step: attempt.time_step.clone(),
             gaps,
             state,
-            levels: ladder.levels,
+            levels: cascade.levels,
             contact_levels: prepared.contact_levels,
         })
     })?;
@@ -114,8 +114,8 @@ pub fn exact_step(model: &StepModel<'_>, state: &State, keep: KeptPrecision) -> 
 }
 
 /// The modes of each solve, and those after the last.
-fn modes(ladder: &Ladder<'_>, after: Vec<Mode>) -> Vec<Vec<Mode>> {
-    let mut modes = ladder.modes().to_vec();
+fn modes(cascade: &Cascade<'_>, after: Vec<Mode>) -> Vec<Vec<Mode>> {
+    let mut modes = cascade.modes().to_vec();
     modes.push(after);
     modes
 }
@@ -125,24 +125,24 @@ const DOUBLE_GRID: u32 = 96;
 
 /// The state after the last solve, and the gaps. The modes that followed from it are those that are remembered.
 fn kept(
-    ladder: &mut Ladder<'_>,
+    cascade: &mut Cascade<'_>,
     attempt: &Attempt<'_>,
     after: &[Mode],
     keep: KeptPrecision,
 ) -> Option<(State, Vec<GapChange>)> {
     let KeptPrecision::Grid { exponent } = keep else {
-        return ladder.exact().and_then(|chain| kept_by(attempt, chain, after, keep));
+        return cascade.exact().and_then(|chain| kept_by(attempt, chain, after, keep));
     };
     if exponent <= DOUBLE_GRID
-        && let Some(kept) = ladder.double().and_then(|chain| kept_by(attempt, chain, after, keep))
+        && let Some(kept) = cascade.double().and_then(|chain| kept_by(attempt, chain, after, keep))
     {
         return Some(kept);
     }
     let enough = [128, 256, 512, 1024, 2048, 4096].into_iter().filter(|&bits| bits > exponent);
-    enough.into_iter().find_map(|bits| kept_by(attempt, &*ladder.with_bits(bits)?, after, keep))
+    enough.into_iter().find_map(|bits| kept_by(attempt, &*cascade.with_bits(bits)?, after, keep))
 }
 
-fn kept_by<S: Stepwise>(
+fn kept_by<S: StepNumber>(
     attempt: &Attempt<'_>,
     chain: &AttemptState<'_, S>,
     after: &[Mode],

@@ -56,7 +56,7 @@ impl<'c, 'a, S: Field> System<'c, 'a, S> {
 }
 
 /// A number type in which a solve of a step can be enclosed.
-pub(crate) trait Stepwise: Field {
+pub(crate) trait StepNumber: Field {
     /// Whether islands are solved apart, each when something of it is first asked for.
     const BY_ISLAND: bool = false;
 
@@ -70,7 +70,7 @@ pub(crate) trait Stepwise: Field {
 
 macro_rules! refined {
     ($($type:ty),*) => {$(
-        impl Stepwise for $type {
+        impl StepNumber for $type {
             fn solve(
                 system: &System<'_, '_, Self>,
                 support: Option<&StepSupport<'_>>,
@@ -84,7 +84,7 @@ macro_rules! refined {
 
 refined!(Ball, DoubleBall);
 
-impl Stepwise for WideBall {
+impl StepNumber for WideBall {
     fn solve(
         system: &System<'_, '_, Self>,
         support: Option<&StepSupport<'_>>,
@@ -97,7 +97,7 @@ impl Stepwise for WideBall {
     }
 }
 
-impl Stepwise for BigRational {
+impl StepNumber for BigRational {
     const BY_ISLAND: bool = true;
 
     fn solve(
@@ -112,7 +112,7 @@ impl Stepwise for BigRational {
     }
 }
 
-impl<S: Stepwise> AttemptState<'_, S> {
+impl<S: StepNumber> AttemptState<'_, S> {
     /// The system of the next solve with these modes, as a matrix.
     pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSparseSystem<S>> {
         Some(System::of(self, modes, &self.friction(modes)?, None)?.assembled())
@@ -168,7 +168,7 @@ impl<S: Field> System<'_, '_, S> {
         for &(k, contact) in &self.closed {
             let (mode, joint) = (self.modes[k], &chain.joints[k]);
             let rows = chain.attempt.started[k].blocks.map(|block| self.places[block]);
-            let pulls = [0, 1].map(|side: usize| frame::pull(&contact.points[side], &contact.normal));
+            let pulls = [0, 1].map(|side: usize| frame::generalized(&contact.points[side], &contact.normal));
             let stiffness = joint.normal.times(&contact.over_square);
             let shear = joint.shear.times(&contact.over_square);
             // What acts at no displacement: the springs on h0 and s0, and f.
@@ -177,13 +177,14 @@ impl<S: Field> System<'_, '_, S> {
                 None => (stiffness.minus(&shear), contact.stretch.scaled(&joint.shear)),
             };
             let sideways = self.friction[k].as_ref().filter(|slip| !slip.spring.is_zero());
-            let sideways = sideways
-                .map(|slip| (&slip.spring, [0, 1].map(|side: usize| frame::pull(&contact.points[side], &slip.across))));
+            let sideways = sideways.map(|slip| {
+                (&slip.spring, [0, 1].map(|side: usize| frame::generalized(&contact.points[side], &slip.across)))
+            });
             let push = stiffness.times(&contact.gap);
             let lines = [0, 1].map(|side: usize| frame::rows(&contact.points[side]));
             for one in 0..2 {
                 let Some(row) = rows[one] else { continue };
-                let force = frame::pull(&contact.points[one], &tangential);
+                let force = frame::generalized(&contact.points[one], &tangential);
                 system.add_right(row, |r| {
                     let sum = pulls[one][r].times(&push).plus(&force[r]);
                     if one == 0 { sum.negated() } else { sum }
@@ -286,7 +287,7 @@ fn float_spring<S: Field>(slip: &SlipForce<S>, normal: f64) -> Option<(f64, [f64
 
 /// The f64 stiffness of contacts in these modes, in the next solve of a chain; `None` where it knows too little of the springs across
 /// the slips.
-pub(crate) fn stiffness<'l, S: Stepwise>(
+pub(crate) fn stiffness<'l, S: StepNumber>(
     chain: &AttemptState<'_, S>,
     modes: &[Mode],
     layout: &'l Layout,

@@ -5,7 +5,7 @@ use super::attempt::Attempt;
 use super::attempt_state::AttemptState;
 use super::frame;
 use super::state::{BlockState, ContactMemory, KeptPrecision, Mode, State};
-use super::system::Stepwise;
+use super::system::StepNumber;
 use crate::field::{Field, UpperBound, WideBall, dyadic, nearest_units};
 use crate::mass;
 use num_traits::Signed;
@@ -19,7 +19,7 @@ const RATE_BITS: i64 = 256;
 const EXACT_GAP: u32 = 200;
 
 /// The state after the last solve of a chain; `None` where the chain is too wide for the grid.
-pub(crate) fn updated<S: Stepwise>(
+pub(crate) fn updated<S: StepNumber>(
     attempt: &Attempt<'_>,
     chain: &AttemptState<'_, S>,
     modes: &[Mode],
@@ -85,7 +85,7 @@ pub(crate) fn updated<S: Stepwise>(
 }
 
 /// The gap of each contact before the step and in the last solve.
-pub(crate) fn gap_changes<S: Stepwise>(chain: &AttemptState<'_, S>, keep: KeptPrecision) -> Option<Vec<GapChange>> {
+pub(crate) fn gap_changes<S: StepNumber>(chain: &AttemptState<'_, S>, keep: KeptPrecision) -> Option<Vec<GapChange>> {
     let last = chain.iterates.last()?;
     let of = |k: usize| {
         let (contact, after) = (chain.contact(k)?, chain.gap(last, k)?);
@@ -104,7 +104,7 @@ pub(crate) fn gap_changes<S: Stepwise>(chain: &AttemptState<'_, S>, keep: KeptPr
 }
 
 /// The centroid of A less that of B.
-fn between_centroids<S: Stepwise>(
+fn between_centroids<S: StepNumber>(
     attempt: &Attempt<'_>,
     chain: &AttemptState<'_, S>,
     a: usize,
@@ -114,7 +114,7 @@ fn between_centroids<S: Stepwise>(
     Some(chain.relative(b, origin)?.plus(&chain.moments(a)?.centroid))
 }
 
-fn rates<S: Stepwise>(
+fn rates<S: StepNumber>(
     attempt: &Attempt<'_>,
     chain: &AttemptState<'_, S>,
     block: usize,

@@ -4,7 +4,7 @@
 use super::resume::{config, results, uninterrupted};
 use super::scripted::{Counting, counting};
 use crate::thread_ranks::Threads;
-use rockproof_campaign::distribute::ranks::dismiss;
+use rockproof_campaign::distribute::ranks::end_workers;
 use rockproof_campaign::distribute::{Crew, DistributeError, Introduction, serve};
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::part::Machine;
@@ -76,7 +76,7 @@ fn run(dir: &Path, ranks: usize, trouble: Trouble) -> Result<Option<Ending>, Run
             assert_eq!(ended.unseen, 0);
             Ok(Some(ended.ending))
         })();
-        dismiss(&mut first).expect("a message");
+        end_workers(&mut first).expect("a message");
         led
     })
 }

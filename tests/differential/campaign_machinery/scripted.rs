@@ -5,7 +5,7 @@ use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::engine::{
     Engine, EngineFailure, ExactAnswer, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, WideAnswer,
 };
-use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, PairSource, Subject};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{
     Block, BlockOptions, Contact, ContactKey, ContactKind, Entrance, FaceId, Number, Point, Precision, Sign,
@@ -44,7 +44,7 @@ pub(crate) fn contact(kind: ContactKind, a: u32, b: u32) -> Contact {
 }
 
 pub(crate) fn subject(index: u64, a: Block, b: Block) -> Subject {
-    let set = SubjectSet { name: "toy".into(), f32: tolerances(), f64: tolerances() };
+    let set = NamedSet::same("toy", &tolerances());
     Subject { index, family: "toy".into(), form: "random".into(), a, b, sets: vec![set] }
 }
 

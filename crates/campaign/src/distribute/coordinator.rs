@@ -1,10 +1,10 @@
 //! Hands out units of pairs and case files, and brings the results in order to whoever writes them.
 
 use super::message::{CampaignOrder, CampaignReport, CaseReply, CaseState, CaseTask};
-use super::plan::{AT_ONCE, Plan, WINDOW};
+use super::plan::{Plan, UNITS_PER_WORKER, WINDOW};
 use super::ranks::{Order, Report, encoded, taken};
-use super::{DistributeError, Patience, Transport};
-use crate::journal::Seen;
+use super::{Backoff, DistributeError, Transport};
+use crate::journal::ProgressCounts;
 use crate::run::{Campaign, RunError};
 use rockproof_differential::engine::EngineCounts;
 use std::collections::{BTreeMap, VecDeque};
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 
 /// A unit that was examined.
-pub(super) struct Examined {
+pub(super) struct ExaminedUnit {
     pub(super) pairs: Range<u64>,
     pub(super) rank: usize,
     /// The message, and where the result begins in it.
@@ -56,12 +56,12 @@ pub(super) struct Coordinator<'t, T: Transport> {
     workers: Vec<Worker>,
     plan: Plan,
     /// To the writer; none once it is to stop.
-    units: Option<Sender<Examined>>,
+    units: Option<Sender<ExaminedUnit>>,
     requests: Receiver<Request>,
     /// Units in work, by number.
     in_work: BTreeMap<u64, Range<u64>>,
     /// Units that came before an earlier one.
-    early: BTreeMap<u64, Examined>,
+    early: BTreeMap<u64, ExaminedUnit>,
     handed_out: u64,
     delivered: u64,
     /// Units that the writer has done with.
@@ -79,7 +79,7 @@ impl<'t, T: Transport> Coordinator<'t, T> {
         transport: &'t mut T,
         threads: &[usize],
         plan: Plan,
-        units: Sender<Examined>,
+        units: Sender<ExaminedUnit>,
         requests: Receiver<Request>,
     ) -> Coordinator<'t, T> {
         let worker = |&threads| Worker { threads, rate: None, units: 0, cases: 0, state: 0 };
@@ -103,8 +103,8 @@ impl<'t, T: Transport> Coordinator<'t, T> {
 
     /// Leads the workers until the writer asks no more. When `stop` is set, or a worker was told to stop, which sets it, the writer gets
     /// nothing more.
-    pub(super) fn lead(&mut self, seen: &Seen, stop: &AtomicBool) -> Result<(), RunError> {
-        let mut patience = Patience::default();
+    pub(super) fn lead(&mut self, seen: &ProgressCounts, stop: &AtomicBool) -> Result<(), RunError> {
+        let mut patience = Backoff::default();
         loop {
             if stop.load(Ordering::SeqCst) {
                 self.give_up();
@@ -164,7 +164,13 @@ impl<'t, T: Transport> Coordinator<'t, T> {
         Ok(())
     }
 
-    fn hear(&mut self, rank: usize, message: Vec<u8>, seen: &Seen, stop: &AtomicBool) -> Result<(), RunError> {
+    fn hear(
+        &mut self,
+        rank: usize,
+        message: Vec<u8>,
+        seen: &ProgressCounts,
+        stop: &AtomicBool,
+    ) -> Result<(), RunError> {
         let (report, rest): (Report<CampaignReport>, &[u8]) = taken(rank, &message)?;
         let unasked = || DistributeError::Message { rank, what: "nobody asked for it".to_owned() };
         let worker = rank.checked_sub(1).and_then(|at| self.workers.get_mut(at)).ok_or_else(unasked)?;
@@ -178,7 +184,7 @@ impl<'t, T: Transport> Coordinator<'t, T> {
                 seen.pairs.fetch_add(length, Ordering::Relaxed);
                 seen.findings.fetch_add(findings, Ordering::Relaxed);
                 let result = message.len() - rest.len();
-                self.early.insert(number, Examined { pairs, rank, message, result, engines });
+                self.early.insert(number, ExaminedUnit { pairs, rank, message, result, engines });
                 while let Some(next) = self.early.remove(&self.delivered) {
                     self.delivered += 1;
                     // A writer that has ended wants no more.
@@ -210,7 +216,7 @@ impl<'t, T: Transport> Coordinator<'t, T> {
             self.workers[at].cases += 1;
             self.transport.send(at + 1, &encoded(&Order::Job(CampaignOrder::Case { number, task }))?);
         }
-        for units in 0..AT_ONCE {
+        for units in 0..UNITS_PER_WORKER {
             for at in 0..self.workers.len() {
                 let ahead = self.handed_out - self.taken;
                 if self.workers[at].units != units || ahead >= (WINDOW * self.workers.len()) as u64 {

@@ -60,7 +60,7 @@ impl Campaign<'_> {
     /// Runs as [`Campaign::run`] does, with what workers examine who [`super::serve`] the same campaign. Examines nothing itself.
     ///
     /// # Errors
-    /// As [`Campaign::run`], and when a worker fails. The workers are not dismissed ([`ranks::dismiss`]).
+    /// As [`Campaign::run`], and when a worker fails. The workers are not dismissed ([`ranks::end_workers`]).
     pub fn run_on<T: Transport>(
         &self,
         crew: &mut Crew<'_, T>,

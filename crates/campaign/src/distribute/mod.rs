@@ -15,7 +15,7 @@ mod worker;
 
 pub use crew::{Crew, Distributed};
 pub use ranks::Introduction;
-pub use reread::{MessageKind, Reread, reread};
+pub use reread::{DecodedMessage, MessageKind, reread};
 pub use worker::{WorkerPanic, serve};
 
 use std::time::Duration;
@@ -90,9 +90,9 @@ pub enum DistributeError {
 
 /// Waits a little longer each time, so that a rank without work does not take time from one that has some.
 #[derive(Default)]
-pub struct Patience(u32);
+pub struct Backoff(u32);
 
-impl Patience {
+impl Backoff {
     const SHORTEST: Duration = Duration::from_micros(50);
     const DOUBLINGS: u32 = 6;
 
@@ -103,7 +103,7 @@ impl Patience {
 
     /// Sleeps, longer than the last time: from 50 µs up to 3 ms.
     pub fn wait(&mut self) {
-        std::thread::sleep(Patience::SHORTEST * (1 << self.0));
-        self.0 = (self.0 + 1).min(Patience::DOUBLINGS);
+        std::thread::sleep(Backoff::SHORTEST * (1 << self.0));
+        self.0 = (self.0 + 1).min(Backoff::DOUBLINGS);
     }
 }

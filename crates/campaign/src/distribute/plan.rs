@@ -9,10 +9,10 @@ const SECONDS: f64 = 1.0;
 const AHEAD: u64 = 4 << 20;
 
 /// Units that a worker has at once: while one is on its way, it works at another.
-pub(super) const AT_ONCE: usize = 2;
+pub(super) const UNITS_PER_WORKER: usize = 2;
 
 /// Units that are handed out and not yet written, for each worker at most.
-pub(super) const WINDOW: usize = 2 * AT_ONCE;
+pub(super) const WINDOW: usize = 2 * UNITS_PER_WORKER;
 
 /// Cuts pairs into units: whole batches of one chunk, as many as take their worker about as long as any other, fewer towards the end.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ impl Plan {
             return None;
         }
         let asked = rate.map_or(threads as u64 * self.batch, |rate| (rate * SECONDS) as u64);
-        let fair = (end - start) / (AT_ONCE as u64 * self.workers);
+        let fair = (end - start) / (UNITS_PER_WORKER as u64 * self.workers);
         let held = AHEAD / (WINDOW as u64 * self.workers);
         let batches = (asked.min(fair).min(held) / self.batch).max(1);
         let chunk_end = (start / self.chunk + 1).saturating_mul(self.chunk);

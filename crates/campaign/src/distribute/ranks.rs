@@ -1,6 +1,6 @@
 //! What jobs on many processes have in common, whatever they do: the ranks introduce themselves, workers obey orders and report, and are dismissed.
 
-use super::{DistributeError, Patience, Transport};
+use super::{Backoff, DistributeError, Transport};
 use crate::part::Machine;
 use rockproof_results::identity_differences;
 use serde::de::DeserializeOwned;
@@ -61,7 +61,7 @@ pub fn gather<T: Transport>(
     stop: &AtomicBool,
 ) -> Result<Option<Vec<Introduction>>, DistributeError> {
     let mut workers: BTreeMap<usize, Introduction> = BTreeMap::new();
-    let mut patience = Patience::default();
+    let mut patience = Backoff::default();
     while workers.len() + 1 < transport.ranks() {
         if stop.load(Ordering::SeqCst) {
             return Ok(None);
@@ -114,13 +114,13 @@ fn compare(rank: usize, worker: &Introduction, own: &Introduction) -> Result<(),
 ///
 /// # Errors
 /// When a message cannot be read or written, and what `reports` brings.
-pub fn obey<T: Transport, O: DeserializeOwned, E: From<DistributeError>>(
+pub fn follow_orders<T: Transport, O: DeserializeOwned, E: From<DistributeError>>(
     transport: &mut T,
     reports: &Receiver<Result<Vec<u8>, E>>,
     stop: &AtomicBool,
     mut carry_out: impl FnMut(O),
 ) -> Result<(), E> {
-    let (mut patience, mut has_said_so) = (Patience::default(), false);
+    let (mut patience, mut has_said_so) = (Backoff::default(), false);
     loop {
         let mut idle = true;
         while let Some((rank, message)) = transport.receive() {
@@ -153,12 +153,12 @@ pub fn obey<T: Transport, O: DeserializeOwned, E: From<DistributeError>>(
 ///
 /// # Errors
 /// None that can be foreseen: the message cannot be written.
-pub fn dismiss<T: Transport>(transport: &mut T) -> Result<(), DistributeError> {
+pub fn end_workers<T: Transport>(transport: &mut T) -> Result<(), DistributeError> {
     let end = encoded(&Order::<()>::End)?;
     for rank in 1..transport.ranks() {
         transport.send(rank, &end);
     }
-    let (mut ended, mut patience) = (1, Patience::default());
+    let (mut ended, mut patience) = (1, Backoff::default());
     while ended < transport.ranks() {
         match transport.receive() {
             // What else comes was on its way.

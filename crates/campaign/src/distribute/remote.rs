@@ -1,6 +1,6 @@
 //! Chunks as workers examine them, for the loop that writes them.
 
-use super::coordinator::{CaseDone, Examined, Request};
+use super::coordinator::{CaseDone, ExaminedUnit, Request};
 use super::message::{CaseReply, CaseState, CaseTask, FoundRows, UnitResult};
 use crate::case_writer::{CaseCounts, CaseFiles, MadeFiles, each, write_cases};
 use crate::cases::{CaseFile, case_request, step_case_request};
@@ -22,7 +22,7 @@ use std::time::Duration;
 /// The workers, behind whoever leads them.
 pub(super) struct Remote<'c> {
     campaign: &'c Campaign<'c>,
-    units: Receiver<Examined>,
+    units: Receiver<ExaminedUnit>,
     requests: Sender<Request>,
     /// What `run.json` says of the ranks.
     told: Map<String, Value>,
@@ -48,7 +48,7 @@ pub(super) struct FoundChunk {
 }
 
 /// A candidate with its values.
-pub(super) struct Decoded<R> {
+pub(super) struct DecodedCandidate<R> {
     row: R,
     task: CaseTask,
 }
@@ -57,7 +57,7 @@ impl<'c> Remote<'c> {
     pub(super) fn new(
         campaign: &'c Campaign<'c>,
         progress: &CampaignProgress,
-        units: Receiver<Examined>,
+        units: Receiver<ExaminedUnit>,
         requests: Sender<Request>,
         told: Map<String, Value>,
     ) -> Remote<'c> {
@@ -88,7 +88,7 @@ impl<'c> Remote<'c> {
     }
 
     /// Has case files made. Where the run is stopped meanwhile it is abandoned.
-    fn made<R>(&self, granted: &[&Decoded<R>]) -> MadeFiles {
+    fn made<R>(&self, granted: &[&DecodedCandidate<R>]) -> MadeFiles {
         let mut files = vec![None; granted.len()];
         if granted.is_empty() {
             return Ok(files);
@@ -139,23 +139,23 @@ impl Examiner for Remote<'_> {
 
     fn choose(&mut self, found: FoundChunk, progress: &mut CampaignProgress) -> Chosen {
         let (campaign, remote) = (self.campaign, &*self);
-        let findings: Vec<Decoded<FindingRow>> = decoded(&found.findings, false)?;
+        let findings: Vec<DecodedCandidate<FindingRow>> = decoded(&found.findings, false)?;
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
-        let make = |granted: &[&Decoded<FindingRow>]| remote.made(granted);
+        let make = |granted: &[&DecodedCandidate<FindingRow>]| remote.made(granted);
         let kept = write_cases(
             &findings,
-            each(|one: &Decoded<FindingRow>| case_request(&one.row)),
-            campaign.most_cases(),
+            each(|one: &DecodedCandidate<FindingRow>| case_request(&one.row)),
+            campaign.case_quota(),
             counts,
             make,
         )?;
-        let steps: Vec<Decoded<StepFindingRow>> = decoded(&found.steps, true)?;
+        let steps: Vec<DecodedCandidate<StepFindingRow>> = decoded(&found.steps, true)?;
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
-        let make = |granted: &[&Decoded<StepFindingRow>]| remote.made(granted);
+        let make = |granted: &[&DecodedCandidate<StepFindingRow>]| remote.made(granted);
         let kept_steps = write_cases(
             &steps,
-            each(|one: &Decoded<StepFindingRow>| step_case_request(&one.row)),
-            campaign.most_step_cases(),
+            each(|one: &DecodedCandidate<StepFindingRow>| step_case_request(&one.row)),
+            campaign.step_case_quota(),
             counts,
             make,
         )?;
@@ -187,11 +187,14 @@ impl Examiner for Remote<'_> {
 }
 
 /// The candidates among some rows.
-pub(super) fn decoded<R: DeserializeOwned>(found: &FoundRows, about_step: bool) -> Result<Vec<Decoded<R>>, RunError> {
+pub(super) fn decoded<R: DeserializeOwned>(
+    found: &FoundRows,
+    about_step: bool,
+) -> Result<Vec<DecodedCandidate<R>>, RunError> {
     let one = |candidate: &super::message::Candidate| {
         let bytes = &found.bytes[candidate.bytes.clone()];
         let task = CaseTask { about_step, row: bytes.to_vec(), place: candidate.place };
-        Ok(Decoded { row: row(bytes)?, task })
+        Ok(DecodedCandidate { row: row(bytes)?, task })
     };
     found.candidates.iter().map(one).collect()
 }

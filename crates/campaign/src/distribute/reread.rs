@@ -20,7 +20,7 @@ pub enum MessageKind {
 
 /// A message that was read.
 #[derive(Debug)]
-pub struct Reread {
+pub struct DecodedMessage {
     /// What it is, such as `unit-report`.
     pub what: &'static str,
     /// The message, written again.
@@ -31,12 +31,12 @@ pub struct Reread {
 ///
 /// # Errors
 /// When it cannot be read.
-pub fn reread(kind: MessageKind, rank: usize, bytes: &[u8]) -> Result<Reread, RunError> {
+pub fn reread(kind: MessageKind, rank: usize, bytes: &[u8]) -> Result<DecodedMessage, RunError> {
     match kind {
         MessageKind::Introduction => {
             let introduction = introduced(rank, bytes)?;
             let message = serde_json::to_vec(&introduction)?;
-            Ok(Reread { what: "introduction", message })
+            Ok(DecodedMessage { what: "introduction", message })
         }
         MessageKind::Order => {
             let (order, _): (Order<CampaignOrder>, &[u8]) = taken(rank, bytes)?;
@@ -52,7 +52,7 @@ pub fn reread(kind: MessageKind, rank: usize, bytes: &[u8]) -> Result<Reread, Ru
                     "case"
                 }
             };
-            Ok(Reread { what, message: encoded(&order)? })
+            Ok(DecodedMessage { what, message: encoded(&order)? })
         }
         MessageKind::Report => {
             let (report, rest): (Report<CampaignReport>, &[u8]) = taken(rank, bytes)?;
@@ -64,10 +64,10 @@ pub fn reread(kind: MessageKind, rank: usize, bytes: &[u8]) -> Result<Reread, Ru
                     let result = UnitResult::read(rank, rest)?;
                     decoded::<FindingRow>(&result.findings, false)?;
                     decoded::<StepFindingRow>(&result.steps, true)?;
-                    return Ok(Reread { what: "unit-report", message: result.message(report)? });
+                    return Ok(DecodedMessage { what: "unit-report", message: result.message(report)? });
                 }
             };
-            Ok(Reread { what, message: encoded(&report)? })
+            Ok(DecodedMessage { what, message: encoded(&report)? })
         }
     }
 }

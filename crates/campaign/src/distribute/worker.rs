@@ -2,13 +2,13 @@
 
 use super::Transport;
 use super::message::{CampaignOrder, CampaignReport, Candidate, CaseReply, CaseState, CaseTask, FoundRows, UnitResult};
-use super::ranks::{Introduction, Report, encoded, introduce, obey};
+use super::ranks::{Introduction, Report, encoded, follow_orders, introduce};
 use super::remote::row;
 use crate::case_writer::{CaseQuota, CaseRequest, has_room};
 use crate::cases::{case_request, step_case_request};
 use crate::engine_counts::EngineMeter;
 use crate::examiner::Counts;
-use crate::journal::Seen;
+use crate::journal::ProgressCounts;
 use crate::run::{BatchResult, Campaign, RunError};
 use crate::steps::StepFinding;
 use rockproof_differential::finding::Finding;
@@ -52,7 +52,7 @@ pub fn serve<T: Transport>(
         }
         // However this ends, the threads end too.
         let _closes = Closes(&jobs);
-        obey(transport, &done, stop, |order| jobs.add(order, batch_len))
+        follow_orders(transport, &done, stop, |order| jobs.add(order, batch_len))
     })
 }
 
@@ -194,7 +194,7 @@ impl Worker<'_> {
                 let lock = || unit.progress.lock().unwrap_or_else(PoisonError::into_inner);
                 lock().begun.get_or_insert_with(Instant::now);
                 let stopped = || self.is_stopped();
-                let batch = self.campaign.batch(number, unit.pairs.end, &Seen::default(), &stopped);
+                let batch = self.campaign.batch(number, unit.pairs.end, &ProgressCounts::default(), &stopped);
                 self.campaign.panel.check_shortage()?;
                 let Some(batch) = batch else { return Ok(None) };
                 let mut progress = lock();
@@ -227,8 +227,8 @@ impl Worker<'_> {
         let (campaign, state) = (self.campaign, &unit.state);
         let room =
             |alike, of_cause, quota: CaseQuota| move |request: &CaseRequest| has_room(alike, of_cause, request, &quota);
-        let pairs = room(&state.alike, &state.of_cause, campaign.most_cases());
-        let steps = room(&state.steps_alike, &state.steps_of_cause, campaign.most_step_cases());
+        let pairs = room(&state.alike, &state.of_cause, campaign.case_quota());
+        let steps = room(&state.steps_alike, &state.steps_of_cause, campaign.step_case_quota());
         let count = findings.len() as u64;
         let row_of = |finding: &Finding| {
             let row = finding.row(String::new());

@@ -1,7 +1,7 @@
 //! Ladders across the decisions about the way out: which planes are true exits, and which contacts one exit keeps.
 
 use super::dip::{cone_dip, cone_vertices, shallow_wedge_dips};
-use super::search::{CriticalDecision, STAY, both_edges};
+use super::search::{CriticalDecision, NO_MOVE, both_edges};
 use crate::directed::exact::fraction;
 use crate::directed::f64_view::{F64Vector, cross, length, minus, plus, times, unit};
 use crate::directed::faces::{ridge_under_vertex, under_faces};
@@ -53,13 +53,13 @@ impl EntrancePlane {
     fn deepest(self, pair: &DirectedPair<'_>) -> Option<BigRational> {
         let dips = match self {
             EntrancePlane::Face(vertex, face) => {
-                let exact = pair.exact(&cone_vertices(pair, vertex, face), STAY);
+                let exact = pair.exact(&cone_vertices(pair, vertex, face), NO_MOVE);
                 let edges = pair.f64_view.block(vertex.0).topology().vertex_edges(vertex.1);
                 edges.iter().filter_map(|&edge| cone_dip(&exact, vertex, face, edge)).collect()
             }
             EntrancePlane::Edges(a, b) => {
                 let sine = pair.set.overlap_sine.to_rational();
-                shallow_wedge_dips(&both_edges(pair, (a, b), STAY), (a, b), Some(&sine))?
+                shallow_wedge_dips(&both_edges(pair, (a, b), NO_MOVE), (a, b), Some(&sine))?
             }
         };
         dips.iter().all(|dip| dip.passes(pair.set)).then_some(())?;

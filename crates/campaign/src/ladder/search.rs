@@ -19,7 +19,7 @@ use rockproof_model::{Criteria, EdgeId, FaceId, VertexId};
 pub(super) type CriticalDecision = Option<(Decision, BigRational, F64Vector)>;
 
 /// No move.
-pub(super) const STAY: F64Vector = [0.0; 3];
+pub(super) const NO_MOVE: F64Vector = [0.0; 3];
 
 /// λ = 1/4, less a thousandth: what is measured against it is in f64.
 const QUARTER: f64 = 0.25 * 0.999;
@@ -71,10 +71,10 @@ fn to_vertex(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: 
     if predicate == Predicate::VertexTerritory && distance >= limit {
         return None;
     }
-    let exact = pair.exact(&[(Side::A, va), (Side::B, vb)], STAY);
+    let exact = pair.exact(&[(Side::A, va), (Side::B, vb)], NO_MOVE);
     let apart = exact.vertex(Side::A, va).minus(exact.vertex(Side::B, vb));
     let decision = Decision::about(predicate, &[Feature::Vertex(Side::A, va), Feature::Vertex(Side::B, vb)]);
-    Some((decision, exact.square_metres(&apart.norm_squared(), &BigInt::one()), STAY))
+    Some((decision, exact.square_metres(&apart.norm_squared(), &BigInt::one()), NO_MOVE))
 }
 
 /// λ times the shortest edge at a vertex, a little less to be sure.
@@ -92,11 +92,11 @@ fn to_edge(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: Pr
     if !(0.0..1.0).contains(&along) || too_far {
         return None;
     }
-    let exact = pair.exact(&pair.faces_at_edge(other, e).chain([(asked, v)]).collect::<Vec<_>>(), STAY);
+    let exact = pair.exact(&pair.faces_at_edge(other, e).chain([(asked, v)]).collect::<Vec<_>>(), NO_MOVE);
     let d = exact.direction(other, e);
     let x = exact.vertex(asked, v).minus(exact.vertex(other, exact.edge(other, e).p));
     let decision = Decision::about(predicate, &[Feature::Vertex(asked, v), Feature::Edge(other, e)]);
-    Some((decision, exact.square_metres(&x.cross(&d).norm_squared(), &d.norm_squared()), STAY))
+    Some((decision, exact.square_metres(&x.cross(&d).norm_squared(), &d.norm_squared()), NO_MOVE))
 }
 
 /// λ times the smaller width of the faces at an edge, a little less to be sure.
@@ -115,7 +115,7 @@ fn face_gap(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: P
     if pair.f64_view.above_face(asked, v, f).1 > 0.0 {
         return None;
     }
-    let exact = pair.exact(&pair.corners(asked.other(), f).chain([(asked, v)]).collect::<Vec<_>>(), STAY);
+    let exact = pair.exact(&pair.corners(asked.other(), f).chain([(asked, v)]).collect::<Vec<_>>(), NO_MOVE);
     let (gap, square, k) = exact.gap(asked, v, f);
     let features = [Feature::Vertex(asked, v), Feature::Face(asked.other(), f)];
     depth_or_gap(&exact, Decision::about(predicate, &features), &gap.constant, square * &k * &k)
@@ -128,7 +128,7 @@ fn edge_gap(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, predicate: P
     if !((0.0..1.0).contains(&s) && (0.0..1.0).contains(&t)) {
         return None;
     }
-    let exact = both_edges(pair, (ea, eb), STAY);
+    let exact = both_edges(pair, (ea, eb), NO_MOVE);
     let n = exact.perpendicular(ea, eb);
     let gap = exact.along((Side::A, exact.edge(Side::A, ea).p), exact.edge(Side::B, eb).p, &n).constant;
     let features = [Feature::Edge(Side::A, ea), Feature::Edge(Side::B, eb)];
@@ -162,7 +162,8 @@ fn entrance_depth(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> Cri
 fn depth_or_gap(exact: &ExactPlacement<'_>, decision: Decision, gap: &BigInt, square: BigInt) -> CriticalDecision {
     let deep =
         matches!(decision.predicate, Predicate::VertexFaceDepth | Predicate::EdgeEdgeDepth | Predicate::EntranceDepth);
-    (!gap.is_zero() && deep == gap.is_negative()).then(|| (decision, exact.square_metres(&(gap * gap), &square), STAY))
+    (!gap.is_zero() && deep == gap.is_negative())
+        .then(|| (decision, exact.square_metres(&(gap * gap), &square), NO_MOVE))
 }
 
 /// The sine between two edges, or (`by_territory`) how far one drifts from the other over the longer's length. The

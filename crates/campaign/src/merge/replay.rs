@@ -1,7 +1,7 @@
 //! Goes through the rows of all parts as a campaign goes through its pairs.
 
 use super::parts::{MergeError, Parts};
-use super::rows::{Numbered, Rows};
+use super::rows::{NumberedRow, Rows};
 use crate::case_writer::{CaseCounts, CaseFiles, each_in_threads, in_threads, write_cases};
 use crate::cases::{CaseFile, case_request, step_case_request};
 use crate::engine_counts::{self, EngineSums};
@@ -29,8 +29,8 @@ const COMMIT: usize = 4 << 20;
 
 /// Rows of one chunk, and which of those about steps cannot have a case file.
 struct Chunk {
-    findings: Vec<Numbered<FindingRow>>,
-    steps: Vec<Numbered<StepFindingRow>>,
+    findings: Vec<NumberedRow<FindingRow>>,
+    steps: Vec<NumberedRow<StepFindingRow>>,
     no_case: BTreeSet<(u64, usize)>,
 }
 
@@ -134,19 +134,19 @@ impl Campaign<'_> {
             })
         };
         let counts = CaseCounts { alike: &mut progress.fingerprints, of_cause: &mut progress.cases };
-        let case = |found: &Numbered<FindingRow>| match stopped() {
+        let case = |found: &NumberedRow<FindingRow>| match stopped() {
             true => Ok(None),
             false => counted(self.case_of_row(&found.row, found.place)),
         };
         let kept = write_cases(
             &chunk.findings,
-            each_in_threads(|found: &Numbered<FindingRow>| case_request(&found.row)),
-            self.most_cases(),
+            each_in_threads(|found: &NumberedRow<FindingRow>| case_request(&found.row)),
+            self.case_quota(),
             counts,
             in_threads(case),
         )?;
         let counts = CaseCounts { alike: &mut progress.step_fingerprints, of_cause: &mut progress.step_cases };
-        let case = |found: &Numbered<StepFindingRow>| match stopped()
+        let case = |found: &NumberedRow<StepFindingRow>| match stopped()
             || chunk.no_case.contains(&(found.row.index, found.place))
         {
             true => Ok(None),
@@ -154,8 +154,8 @@ impl Campaign<'_> {
         };
         let kept_steps = write_cases(
             &chunk.steps,
-            each_in_threads(|found: &Numbered<StepFindingRow>| step_case_request(&found.row)),
-            self.most_step_cases(),
+            each_in_threads(|found: &NumberedRow<StepFindingRow>| step_case_request(&found.row)),
+            self.step_case_quota(),
             counts,
             in_threads(case),
         )?;
@@ -170,7 +170,7 @@ impl Campaign<'_> {
 }
 
 /// Appends rows, each with the case file of its finding, which is the last column.
-fn appended<R>(rows: &mut Vec<u8>, found: &[Numbered<R>], kept: &CaseFiles) -> Result<(), csv::Error> {
+fn appended<R>(rows: &mut Vec<u8>, found: &[NumberedRow<R>], kept: &CaseFiles) -> Result<(), csv::Error> {
     let mut writer = csv::Writer::from_writer(rows);
     for (found, name) in found.iter().zip(&kept.names) {
         let columns = found.record.len().saturating_sub(1);

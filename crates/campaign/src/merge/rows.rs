@@ -11,7 +11,7 @@ use std::io::Take;
 use std::path::PathBuf;
 
 /// A row about a pair.
-pub(super) struct Numbered<R> {
+pub(super) struct NumberedRow<R> {
     /// Its values.
     pub(super) row: R,
     /// How many rows of its pair are before it.
@@ -25,7 +25,7 @@ pub(super) struct Rows<'p, R> {
     name: &'static str,
     parts: VecDeque<&'p OnePart>,
     open: Option<(PathBuf, csv::Reader<BoundedRows<Take<File>>>)>,
-    ahead: Option<Numbered<R>>,
+    ahead: Option<NumberedRow<R>>,
     index: fn(&R) -> u64,
     /// The pair of the last row read, and how many of its rows were read.
     last: Option<(u64, usize)>,
@@ -41,7 +41,7 @@ impl<'p, R: DeserializeOwned> Rows<'p, R> {
     }
 
     /// The next rows, of pairs before `end`.
-    pub(super) fn until(&mut self, end: u64) -> Result<Vec<Numbered<R>>, MergeError> {
+    pub(super) fn until(&mut self, end: u64) -> Result<Vec<NumberedRow<R>>, MergeError> {
         let mut found = Vec::new();
         while let Some(row) = self.ahead.take_if(|ahead| (self.index)(&ahead.row) < end) {
             found.push(row);
@@ -60,7 +60,7 @@ impl<'p, R: DeserializeOwned> Rows<'p, R> {
         Ok(skipped)
     }
 
-    fn read(&mut self) -> Result<Option<Numbered<R>>, MergeError> {
+    fn read(&mut self) -> Result<Option<NumberedRow<R>>, MergeError> {
         loop {
             let Some((file, reader)) = &mut self.open else {
                 let Some(part) = self.parts.pop_front() else { return Ok(None) };
@@ -87,7 +87,7 @@ impl<'p, R: DeserializeOwned> Rows<'p, R> {
                 _ => 0,
             };
             self.last = Some((index, place + 1));
-            return Ok(Some(Numbered { row, place, record }));
+            return Ok(Some(NumberedRow { row, place, record }));
         }
     }
 }

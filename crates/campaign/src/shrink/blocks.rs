@@ -8,7 +8,7 @@ use rockproof_model::{Block, BlockOptions, Number, Point};
 use std::collections::HashMap;
 
 /// What is asked of two blocks.
-pub(crate) enum Asked<'b> {
+pub(crate) enum BlockQuestion<'b> {
     /// Whether they show the finding.
     Now(&'b [Block; 2]),
     /// The same as before of a case that has not changed since, when the answer was no: it counts as an examination.
@@ -16,7 +16,7 @@ pub(crate) enum Asked<'b> {
 }
 
 /// Whether two blocks show the finding; `None` where no more may be examined.
-pub(crate) type Shows<'s> = dyn FnMut(Asked<'_>) -> Option<bool> + 's;
+pub(crate) type Shows<'s> = dyn FnMut(BlockQuestion<'_>) -> Option<bool> + 's;
 
 /// A simplification: what is simplified, by numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -95,14 +95,14 @@ impl BlockShrinker<'_> {
             return false;
         }
         if let Some(was_asked) = self.refusals.known(attempt) {
-            self.is_spent = was_asked && (self.shows)(Asked::Again).is_none();
+            self.is_spent = was_asked && (self.shows)(BlockQuestion::Again).is_none();
             return false;
         }
         let Some(proposal) = propose(best).filter(|proposal| size(proposal) < size(best)) else {
             self.refusals.refuse(attempt, false);
             return false;
         };
-        match (self.shows)(Asked::Now(&proposal)) {
+        match (self.shows)(BlockQuestion::Now(&proposal)) {
             Some(true) => {
                 *best = proposal;
                 self.refusals.case_changed();
@@ -264,8 +264,8 @@ mod tests {
     /// How often it was asked now and again in one round in which every finding is gone but that of the blocks as they are.
     fn round(blocks: &mut [Block; 2], refusals: &mut Refusals) -> [usize; 2] {
         let mut asked = [0; 2];
-        let mut shows = |ask: Asked<'_>| {
-            asked[usize::from(matches!(ask, Asked::Again))] += 1;
+        let mut shows = |ask: BlockQuestion<'_>| {
+            asked[usize::from(matches!(ask, BlockQuestion::Again))] += 1;
             Some(false)
         };
         BlockShrinker { shows: &mut shows, is_spent: false, refusals }.once(blocks);
@@ -294,7 +294,7 @@ mod tests {
         let mut refusals = Refusals::default();
         let [asked, _] = round(&mut blocks, &mut refusals);
         let mut left = asked - 1;
-        let mut shows = |_: Asked<'_>| {
+        let mut shows = |_: BlockQuestion<'_>| {
             left = left.checked_sub(1)?;
             Some(false)
         };

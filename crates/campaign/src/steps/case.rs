@@ -2,13 +2,13 @@
 
 use super::engine::{ComparedPairStep, StepEngine};
 use super::finding::{StepChange, StepFinding};
-use crate::shrink::{Asked, BlockShrinker, Refusals};
+use crate::shrink::{BlockQuestion, BlockShrinker, Refusals};
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::lockstep::case_file::Expected;
 use rockproof_differential::lockstep::recorded::{pair_difference, pair_intrusion};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Body, Motion, Number, Precision, Vec3};
 use rockproof_simulate::identity::with_tolerances;
@@ -107,9 +107,9 @@ impl ShownStep {
         mut evaluations: u64,
     ) {
         let mut blocks = [self.subject.a.clone(), self.subject.b.clone()];
-        let mut shows = |asked: Asked<'_>| {
+        let mut shows = |asked: BlockQuestion<'_>| {
             evaluations = evaluations.checked_sub(1)?;
-            let Asked::Now([a, b]) = asked else { return Some(false) };
+            let BlockQuestion::Now([a, b]) = asked else { return Some(false) };
             let subject = Subject { a: a.clone(), b: b.clone(), ..self.subject.clone() };
             let made = again(&subject, &self.motion);
             let is_shown = made.is_some();
@@ -123,7 +123,7 @@ impl ShownStep {
     }
 }
 
-fn written(finding: &StepFinding, set: &SubjectSet, precision: Precision, shown: &ShownStep) -> Option<StepCase> {
+fn written(finding: &StepFinding, set: &NamedSet, precision: Precision, shown: &ShownStep) -> Option<StepCase> {
     let ShownStep { subject, motion, made } = shown;
     let tolerances = set.of(precision);
     let scene = motion.scene(&subject.a, &subject.b, tolerances);

@@ -1,9 +1,9 @@
 //! What makes the steps of a campaign: the stepper beside the oracle, in f32 or f64.
 
 use rockproof_differential::collapse::collapsed_feature;
-use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Drifting, Lockstep};
+use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, DriftQuantity, Lockstep};
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::Precision;
 use rockproof_simulate::checkpoint::SavedState;
 use rockproof_stepper::contact::SpecRules;
@@ -18,7 +18,7 @@ pub struct ComparedPairStep {
     /// The state before it.
     pub before: SavedState,
     /// What differs of the state after it where all decisions are the same, and as much in 512 bits: no rounding.
-    pub drift: Option<Drifting>,
+    pub drift: Option<DriftQuantity>,
     /// Contacts by their mode after the last solve of the oracle: open, sliding, locked.
     pub modes: [u64; 3],
     /// Contacts that, exactly, chattered: closed after one solve and open after another of the accepted attempt.
@@ -37,7 +37,7 @@ pub trait StepEngine: Send + Sync {
     ///
     /// # Errors
     /// Why there is not even one: the pair does not survive rounding.
-    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String>;
+    fn steps(&self, subject: &Subject, set: &NamedSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String>;
 }
 
 /// The stepper in the scalar `R` by the rules `M`.
@@ -83,7 +83,7 @@ impl<R: Solve, M: StepRules> StepEngine for StepperStepEngine<R, M> {
         self.precision
     }
 
-    fn steps(&self, subject: &Subject, set: &SubjectSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String> {
+    fn steps(&self, subject: &Subject, set: &NamedSet, motion: &PairMotion) -> Result<Vec<ComparedPairStep>, String> {
         for block in [&subject.a, &subject.b] {
             let rounded = block.rounded(self.precision).ok_or("a coordinate overflows")?;
             if let Some(what) = collapsed_feature(&rounded) {

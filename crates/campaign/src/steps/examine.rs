@@ -5,9 +5,9 @@ use super::finding::{StepChange, StepFinding};
 use super::summary::{StepGroup, StepSummary, half_side};
 use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_differential::lockstep::StepCause;
-use rockproof_differential::lockstep::penetration_cause::StepPenetrations;
+use rockproof_differential::lockstep::penetration_effect::StepPenetrations;
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::Precision;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -79,7 +79,7 @@ fn is_own(cause: StepCause) -> bool {
 /// A finding that says nothing yet.
 fn empty_finding(
     subject: &Subject,
-    set: &SubjectSet,
+    set: &NamedSet,
     engine: &dyn StepEngine,
     cause: StepCause,
     step: i64,
@@ -116,7 +116,7 @@ const ROUNDOFFS: f64 = 64.0;
 /// What differs in a step. Differences of contacts in the first step are those of `findings.csv`, and left to it.
 fn findings_of_step(
     subject: &Subject,
-    set: &SubjectSet,
+    set: &NamedSet,
     engine: &dyn StepEngine,
     (made, deepened): (&ComparedPairStep, Option<StepChange>),
     findings: &mut Vec<StepFinding>,
@@ -162,7 +162,7 @@ fn penetration_change(subject: &Subject, precision: Precision, made: &ComparedPa
     let largest = coordinates.map(|c| c.approximate().abs()).fold(0.0, f64::max);
     let rounding = ROUNDOFFS * precision.epsilon() / 2.0 * largest;
     let change = stepper - oracle;
-    if change.abs() <= rounding.max(StepPenetrations::NOTHING * stepper.max(oracle)) {
+    if change.abs() <= rounding.max(StepPenetrations::NEGLIGIBLE_SHARE * stepper.max(oracle)) {
         return None;
     }
     Some(if change > 0.0 { StepChange::Deeper } else { StepChange::Shallower })

@@ -4,7 +4,7 @@
 use rockproof_differential::compare;
 use rockproof_differential::finding::{DecidingDecision, FindingScope};
 use rockproof_differential::lockstep::answer::StepAnswerChange;
-use rockproof_differential::lockstep::{AttributedDifference, Drifting, Intrusion, StepCause};
+use rockproof_differential::lockstep::{AttributedDifference, DriftQuantity, Intrusion, StepCause};
 use rockproof_differential::row;
 use rockproof_model::Contact;
 use rockproof_results::bounded;
@@ -22,7 +22,7 @@ pub enum StepChange {
     /// They overlap less deep.
     Shallower,
     /// The same decisions and another state, in 512 bits too.
-    State(Drifting),
+    State(DriftQuantity),
     /// The blocks pass through one another, or overlap where no contact sees it.
     Intrusion(Intrusion),
 }

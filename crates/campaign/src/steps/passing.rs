@@ -11,7 +11,7 @@ use crate::tolerance_sets::{SetSource, binary_below, number, size};
 use crate::{directed, steps::motion};
 use rand_chacha::ChaCha8Rng;
 use rockproof_differential::motion::PairMotion;
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::Subject;
 use rockproof_model::simulation::Simulation;
 use rockproof_model::{Block, Body, Motion, Number, Vec3};
 
@@ -60,8 +60,7 @@ pub fn pair(seed: u64, index: u64, every: u64, steps: u32, sets: &[SetSource]) -
         return None;
     }
     let Thrown { form, a, b, motion } = thrown(&mut rng, steps);
-    let derived = sets.iter().filter_map(|set| set.derive(&a, &b));
-    let sets = derived.map(|set| SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 }).collect();
+    let sets = sets.iter().filter_map(|set| set.derive(&a, &b)).collect();
     Some((Subject { index, family: PASSAGE.into(), form: form.name().into(), a, b, sets }, motion))
 }
 

@@ -1,7 +1,7 @@
 //! A state file made smaller for as long as its step shows the same difference: fewer blocks, a step from rest in place of a later one, less motion,
 //! simpler blocks.
 
-use crate::shrink::{Asked, BlockShrinker, Refusals};
+use crate::shrink::{BlockQuestion, BlockShrinker, Refusals};
 use rockproof_differential::collapse::collapsed_feature;
 use rockproof_differential::lockstep::case_file::Expected;
 use rockproof_differential::lockstep::cutout::cutout;
@@ -142,8 +142,8 @@ impl StepShrinker {
         }
         if let [a, b] = &best.scene.blocks[..] {
             let mut blocks = [a.block.clone(), b.block.clone()];
-            let mut shows = |asked: Asked<'_>| {
-                let Asked::Now(blocks) = asked else {
+            let mut shows = |asked: BlockQuestion<'_>| {
+                let BlockQuestion::Now(blocks) = asked else {
                     self.left = self.left.checked_sub(1)?;
                     return Some(false);
                 };

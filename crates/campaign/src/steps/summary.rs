@@ -11,7 +11,7 @@ use rockproof_differential::lockstep::intrusion::Intrusions;
 use rockproof_differential::lockstep::table::CAUSES;
 use rockproof_differential::lockstep::{Intrusion, StepCause};
 use rockproof_differential::row::{exponential, finite, named, written};
-use rockproof_differential::subject::{Subject, SubjectSet};
+use rockproof_differential::subject::{NamedSet, Subject};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub struct StepGroup {
 }
 
 impl StepGroup {
-    pub(super) fn new(subject: &Subject, set: &SubjectSet, engine: &str) -> StepGroup {
+    pub(super) fn new(subject: &Subject, set: &NamedSet, engine: &str) -> StepGroup {
         let [family, form, tolerances] = [&subject.family, &subject.form, &set.name].map(ToString::to_string);
         StepGroup { family, form, tolerances, engine: engine.to_owned() }
     }

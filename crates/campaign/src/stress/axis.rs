@@ -26,7 +26,7 @@ rockproof_model::named_enum! {
 
 impl StressAxis {
     /// What a level counts.
-    pub fn meaning(self) -> &'static str {
+    pub fn description(self) -> &'static str {
         match self {
             StressAxis::Offset => "distance from the origin over the size of the pair",
             StressAxis::ScaleDown | StressAxis::ScaleUp => "factor on every coordinate",

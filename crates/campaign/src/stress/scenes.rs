@@ -24,7 +24,7 @@ pub enum StepsError {
 }
 
 /// Weight of a block of 1 m³ of the default material under 10 m/s² (N).
-pub(super) const WEIGHT: f64 = 26_000.0;
+pub(super) const BLOCK_WEIGHT: f64 = 26_000.0;
 
 /// Static steps before time starts.
 const SETTLING: u32 = 20;

@@ -6,7 +6,7 @@ use crate::source::{SourceError, set_sources};
 use crate::tolerance_sets::{self, SetSource};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rockproof_differential::subject::{PairSource, Subject, SubjectSet};
+use rockproof_differential::subject::{PairSource, Subject};
 
 /// Pairs of one batch: of one cell.
 const BATCH: u64 = 16;
@@ -65,8 +65,7 @@ impl PairSource for StressSource {
         (0..BATCH)
             .map(|k| {
                 let (a, b) = pairs::pair(&mut rng, cell);
-                let sets = self.sets.iter().filter_map(|source| source.derive(&a, &b));
-                let sets = sets.map(|set| SubjectSet { name: set.name.into(), f32: set.f32, f64: set.f64 }).collect();
+                let sets = self.sets.iter().filter_map(|source| source.derive(&a, &b)).collect();
                 let (index, form) = (number * BATCH + k, cell.form.name().into());
                 Subject { index, family: family.as_str().into(), form, a, b, sets }
             })

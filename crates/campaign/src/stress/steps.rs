@@ -1,6 +1,6 @@
 //! What steps do where nothing should happen: a block at rest for 10,000 steps, and stiff contacts above soft ones.
 
-use super::scenes::{self, StepsError, WEIGHT};
+use super::scenes::{self, BLOCK_WEIGHT, StepsError};
 use rockproof_differential::row::written;
 use rockproof_model::{Motion, Number, Precision};
 use rockproof_stepper::dynamics::{Dynamics, Solve};
@@ -93,7 +93,7 @@ fn rest<R: Solve>(
         }
         let now = dynamics.centroid(1);
         let [x, y] = [(now.x, begin.x), (now.y, begin.y)].map(|(now, begin)| now.to_f64() - begin.to_f64());
-        let (overlap, expected) = (-lowest(&dynamics, 1), WEIGHT / (4.0 * stiffness));
+        let (overlap, expected) = (-lowest(&dynamics, 1), BLOCK_WEIGHT / (4.0 * stiffness));
         let (drift, stopped) = (x.hypot(y), stopped.clone());
         found.push(ClosedFormCheck {
             case: "rest",
@@ -125,7 +125,7 @@ fn contrast<R: Solve>(
         engine,
         level: 10u64.pow(exponent),
         overlap: f64::NAN,
-        expected: WEIGHT / (4.0 * soft * ratio),
+        expected: BLOCK_WEIGHT / (4.0 * soft * ratio),
         drift: f64::NAN,
         unconverged: 0,
         stopped: None,

@@ -238,7 +238,7 @@ pub fn limits(rows: &[CellRow]) -> Vec<AgreementLimit> {
 impl AgreementLimit {
     /// What it says, in one sentence for an engineer.
     pub fn sentence(&self) -> String {
-        let (engine, form, what) = (&self.engine, self.form.name(), self.axis.meaning());
+        let (engine, form, what) = (&self.engine, self.form.name(), self.axis.description());
         let set = &self.tolerances;
         let beyond = match (self.beyond, self.proof) {
             (Some((level, _)), Proof::TooFew { .. }) => format!("; at {level}, too few pairs to tell"),

@@ -21,7 +21,7 @@ use rockproof_model::{Block, Sign, Vec3, VertexId};
 use rockproof_oracle::rational::Rational;
 
 /// Vertices of a block beyond which its hull is not worked out: that takes the fourth power of their number.
-const MOST_VERTICES: usize = 48;
+const MAX_VERTICES: usize = 48;
 
 /// How two convex blocks lie to one another.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,7 +95,7 @@ struct Hull {
 
 impl Hull {
     fn of(block: &Block, lattice: &Lattice) -> Option<Hull> {
-        if block.vertices().len() > MOST_VERTICES {
+        if block.vertices().len() > MAX_VERTICES {
             return None;
         }
         let hull = Hull::as_it_is(block, lattice);

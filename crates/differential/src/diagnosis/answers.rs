@@ -1,7 +1,7 @@
 //! Hypotheses about how right answers are said wrongly: signs, entrances, normals, units.
 
 use super::hypothesis::Hypothesis;
-use super::question::Asked;
+use super::question::PreparedQuestion;
 use crate::collision::CollisionQuery;
 use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::{Contact, Entrance, EntranceKind, Sign};
@@ -74,7 +74,7 @@ impl Hypothesis for WrongReply {
         }
     }
 
-    fn contacts(&self, asked: &Asked<'_>) -> Option<Vec<Contact>> {
+    fn contacts(&self, asked: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
         let mut contacts = asked.exact().to_vec();
         for contact in &mut contacts {
             let entrance = contact.entrance;
@@ -98,7 +98,7 @@ impl Hypothesis for WrongReply {
         Some(contacts)
     }
 
-    fn says_state(&self, asked: &Asked<'_>, said: ReportedState) -> Option<bool> {
+    fn says_state(&self, asked: &PreparedQuestion<'_>, said: ReportedState) -> Option<bool> {
         let blocks = &asked.question.blocks;
         let meant = match self {
             WrongReply::GapTurned => ReportedState { gap_m: said.gap_m.map(|gap| -gap), ..said },

@@ -1,7 +1,7 @@
 //! What may be wrong with an engine.
 
-use super::question::{Asked, Question, Reply};
-use super::{answers, input, parts, rules, tolerances};
+use super::question::{PreparedQuestion, Question, Reply};
+use super::{altered_rules, answers, input, parts, tolerances};
 use crate::separation_state::ReportedState;
 use rockproof_model::{Contact, ToleranceSet};
 
@@ -14,12 +14,12 @@ pub(super) trait Hypothesis: Send + Sync {
     fn sentence(&self) -> String;
 
     /// The contacts that such an engine finds, sorted; `None` where it has no answer, or where the hypothesis is about something else.
-    fn contacts(&self, _asked: &Asked<'_>) -> Option<Vec<Contact>> {
+    fn contacts(&self, _asked: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
         None
     }
 
     /// Whether such an engine says what this one said of how the blocks lie; `None` as above.
-    fn says_state(&self, _asked: &Asked<'_>, _said: ReportedState) -> Option<bool> {
+    fn says_state(&self, _asked: &PreparedQuestion<'_>, _said: ReportedState) -> Option<bool> {
         None
     }
 
@@ -40,10 +40,12 @@ pub(super) trait Hypothesis: Send + Sync {
 }
 
 /// Whether a hypothesis gives the answer that the engine gave; `None` where it has none.
-pub(super) fn fits(hypothesis: &dyn Hypothesis, asked: &Asked<'_>) -> Option<bool> {
+pub(super) fn fits(hypothesis: &dyn Hypothesis, asked: &PreparedQuestion<'_>) -> Option<bool> {
     match &asked.question.reply {
         Reply::State(said) => hypothesis.says_state(asked, *said),
-        Reply::Contacts(_) | Reply::Nothing(_) => hypothesis.contacts(asked).map(|contacts| asked.gives(&contacts)),
+        Reply::Contacts(_) | Reply::Nothing(_) => {
+            hypothesis.contacts(asked).map(|contacts| asked.has_contacts(&contacts))
+        }
     }
 }
 
@@ -54,7 +56,7 @@ pub(super) fn all() -> Vec<Box<dyn Hypothesis>> {
     all.extend(answers::all());
     all.extend(tolerances::all());
     all.extend(parts::all());
-    all.extend(rules::all());
+    all.extend(altered_rules::all());
     all
 }
 

@@ -1,7 +1,7 @@
 //! Hypotheses about the input: rounded, shortened as text, exchanged; and about the arithmetic that the whole is done in.
 
 use super::hypothesis::Hypothesis;
-use super::question::{Asked, Solids};
+use super::question::{PreparedQuestion, Solids};
 use crate::separation_state::ReportedState;
 use crate::transform::{ExactBlocks, Transform};
 use rockproof_model::{Block, Contact, Number, Precision, ToleranceSet, Vec3};
@@ -88,7 +88,7 @@ impl Hypothesis for Input {
         }
     }
 
-    fn contacts(&self, asked: &Asked<'_>) -> Option<Vec<Contact>> {
+    fn contacts(&self, asked: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
         let (blocks, tolerances) = (&asked.question.blocks, &asked.question.tolerances);
         let [a, b] = blocks;
         match self {
@@ -101,7 +101,7 @@ impl Hypothesis for Input {
             }
             Input::Renumbered => {
                 let other = Transform::Renumber.apply(&ExactBlocks::new([a, b]), blocks, asked.question.precision)?;
-                Some(other.back(&exact(&other.blocks, tolerances)))
+                Some(other.to_original(&exact(&other.blocks, tolerances)))
             }
             Input::InSingle => {
                 let [a, b] = self.changed(blocks)?;
@@ -116,7 +116,7 @@ impl Hypothesis for Input {
         }
     }
 
-    fn says_state(&self, asked: &Asked<'_>, said: ReportedState) -> Option<bool> {
+    fn says_state(&self, asked: &PreparedQuestion<'_>, said: ReportedState) -> Option<bool> {
         match self {
             Input::Single | Input::SingleCutOff | Input::Digits(_) | Input::Decimals(_) => {
                 asked.state_is_right(&self.changed(&asked.question.blocks)?, said)

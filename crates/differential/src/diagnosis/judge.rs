@@ -1,10 +1,10 @@
 //! Which hypotheses explain the answers of an engine.
 
 use super::hypothesis::{Hypothesis, all, fits};
-use super::question::{Asked, Question, Reply, Solids};
+use super::question::{PreparedQuestion, Question, Reply, Solids};
 use super::row::{DiagnosisRow, DiagnosisVerdict};
 use super::tolerances::probes;
-use crate::finding::FAR;
+use crate::finding::FAR_FROM_TIE;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ToleranceSet};
 
@@ -23,7 +23,7 @@ pub struct Sample {
 pub type Asking<'a> = &'a (dyn Fn(&[Block; 2], &ToleranceSet) -> Reply + Sync);
 
 /// Fewer answers than this show nothing.
-const LEAST: usize = 3;
+const MIN_ANSWERS: usize = 3;
 
 /// Explanations looked for, one after the other: each of what those before it leave over.
 const EXPLANATIONS: usize = 3;
@@ -41,7 +41,7 @@ struct Judged {
     right: Option<bool>,
     /// Whether each hypothesis gives the engine's answer.
     fits: Vec<Option<bool>>,
-    /// [`Asked::roundoffs_from_tie`].
+    /// [`PreparedQuestion::roundoffs_from_tie`].
     roundoffs: f64,
 }
 
@@ -96,7 +96,7 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
     let mut rows = Vec::new();
     let mut chosen = Vec::new();
     for _ in 0..EXPLANATIONS {
-        let is_far = |at: &&usize| judged[**at].roundoffs > FAR;
+        let is_far = |at: &&usize| judged[**at].roundoffs > FAR_FROM_TIE;
         let far_left = left.iter().filter(is_far).count();
         let weight = |number: usize| {
             let all = explained(number, &left);
@@ -106,10 +106,10 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
         let Some(best) = standing.iter().copied().rev().max_by_key(|&number| weight(number)) else { break };
         let (far, count) = weight(best);
         let tells = hypotheses[best].is_rounding()
-            || far >= LEAST && far * 10 >= far_left
-            || count > 2 * LEAST && count * 2 >= left.len()
+            || far >= MIN_ANSWERS && far * 10 >= far_left
+            || count > 2 * MIN_ANSWERS && count * 2 >= left.len()
             || count == left.len();
-        if count < LEAST || !tells {
+        if count < MIN_ANSWERS || !tells {
             break;
         }
         let of_best = explained(best, &left);
@@ -154,7 +154,7 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
 
 fn judge(question: &Question, hypotheses: &[Box<dyn Hypothesis>]) -> Judged {
     let solids = Solids::of(&question.blocks);
-    let asked = Asked::new(question, &solids);
+    let asked = PreparedQuestion::new(question, &solids);
     Judged {
         right: asked.is_right(),
         fits: hypotheses.iter().map(|hypothesis| fits(&**hypothesis, &asked)).collect(),
@@ -166,7 +166,7 @@ fn judge(question: &Question, hypotheses: &[Box<dyn Hypothesis>]) -> Judged {
 fn against(agreeing: &[Question], hypotheses: &[Box<dyn Hypothesis>], alive: &[usize]) -> Vec<Against> {
     let one = |question: &Question| -> Vec<(usize, bool)> {
         let solids = Solids::of(&question.blocks);
-        let asked = Asked::new(question, &solids);
+        let asked = PreparedQuestion::new(question, &solids);
         let contradicted = alive.iter().filter(|&&number| fits(&*hypotheses[number], &asked) == Some(false));
         contradicted.map(|&number| (number, !is_excused(&*hypotheses[number], &asked))).collect()
     };
@@ -179,9 +179,10 @@ fn against(agreeing: &[Question], hypotheses: &[Box<dyn Hypothesis>], alive: &[u
 }
 
 /// Whether an answer differs from that of a hypothesis next to a tie only, where the engine's rounding can be the reason.
-fn is_excused(hypothesis: &dyn Hypothesis, asked: &Asked<'_>) -> bool {
+fn is_excused(hypothesis: &dyn Hypothesis, asked: &PreparedQuestion<'_>) -> bool {
     let Reply::Contacts(said) = &asked.question.reply else { return false };
-    let near = |contacts: Vec<Contact>| asked.roundoffs_between(&contacts, said, &asked.question.tolerances) <= FAR;
+    let near =
+        |contacts: Vec<Contact>| asked.roundoffs_between(&contacts, said, &asked.question.tolerances) <= FAR_FROM_TIE;
     !hypothesis.is_about_ties() && hypothesis.contacts(asked).is_some_and(near)
 }
 
@@ -190,11 +191,11 @@ fn is_excused(hypothesis: &dyn Hypothesis, asked: &Asked<'_>) -> bool {
 fn is_near(question: &Question, judged: &Judged, chosen: &[usize], hypotheses: &[Box<dyn Hypothesis>]) -> bool {
     let (known, mistakes): (Vec<usize>, Vec<usize>) =
         chosen.iter().partition(|number| hypotheses[**number].is_rounding());
-    if known.is_empty() && judged.roundoffs <= FAR {
+    if known.is_empty() && judged.roundoffs <= FAR_FROM_TIE {
         return true;
     }
     let solids = Solids::of(&question.blocks);
-    let asked = Asked::new(question, &solids);
+    let asked = PreparedQuestion::new(question, &solids);
     mistakes.into_iter().any(|number| is_excused(&*hypotheses[number], &asked))
 }
 
@@ -246,7 +247,7 @@ fn told_apart(
             }
             let Ok(tolerances) = tolerances.rounded(question.precision) else { continue };
             let mut probe = Question { tolerances, ..(*question).clone() };
-            let asked = Asked::new(&probe, &solids);
+            let asked = PreparedQuestion::new(&probe, &solids);
             let foretold = |number: &usize| hypotheses[*number].contacts(&asked);
             let first = foretold(&alike[0]);
             if alike.iter().all(|number| foretold(number) == first) {
@@ -254,7 +255,7 @@ fn told_apart(
             }
             probe.reply = asking(&probe.blocks, &probe.tolerances);
             left -= 1;
-            let asked = Asked::new(&probe, &solids);
+            let asked = PreparedQuestion::new(&probe, &solids);
             let fit: Vec<usize> =
                 alike.iter().copied().filter(|&number| fits(&*hypotheses[number], &asked) == Some(true)).collect();
             if !fit.is_empty() {

@@ -3,6 +3,7 @@
 //! A hypothesis counts by how many of the differing answers it explains, and only while no answer that is right speaks against it. What no
 //! hypothesis explains is either so near to a tie that rounding can be the reason, or stays unexplained; both are said.
 
+mod altered_rules;
 mod answers;
 mod hypothesis;
 mod input;
@@ -10,7 +11,6 @@ mod judge;
 mod parts;
 mod question;
 mod row;
-mod rules;
 mod tolerances;
 
 pub use judge::{Asking, Sample, diagnose};

@@ -1,10 +1,10 @@
 //! Hypotheses about what is left out: kinds of contact, roles, corners, signs of gaps.
 
 use super::hypothesis::Hypothesis;
-use super::question::Asked;
+use super::question::PreparedQuestion;
 use rockproof_model::decision::{Feature, Side};
 use rockproof_model::{Contact, ContactKind, Sign};
-use rockproof_oracle::Departure;
+use rockproof_oracle::RuleVariant;
 
 use crate::compare::Features;
 
@@ -62,11 +62,11 @@ impl Hypothesis for LeftOut {
         }
     }
 
-    fn contacts(&self, asked: &Asked<'_>) -> Option<Vec<Contact>> {
+    fn contacts(&self, asked: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
         let features = asked.features();
         let convex = asked.question.blocks.iter().all(rockproof_model::Block::is_convex);
         let is_left_out = |contact: &Contact| self.concerns(contact, features, convex);
-        Some(asked.pair.classify_departing(&asked.question.tolerances, Departure::LeftOut(&is_left_out)))
+        Some(asked.pair.classify_with_variant(&asked.question.tolerances, RuleVariant::LeftOut(&is_left_out)))
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::collision::CollisionQuery;
 use crate::compare::{AnswerChange, Features, differences};
 use crate::engine::{Answer, Engine, ExactPair, catch_panic};
-use crate::explain::{ChainLink, suspect};
+use crate::explain::{ChainLink, nearest_decisions};
 use crate::external::protocol::completed;
 use crate::separation_state::ReportedState;
 use rockproof_model::decision::{Feature, Side};
@@ -44,13 +44,13 @@ impl Question {
     /// Whether the engine is right; `None` where nothing exact stands against its answer.
     pub fn is_right(&self) -> Option<bool> {
         let solids = Solids::of(&self.blocks);
-        Asked::new(self, &solids).is_right()
+        PreparedQuestion::new(self, &solids).is_right()
     }
 
     /// Whether the blocks have contacts.
     pub fn has_contacts(&self) -> bool {
         let solids = Solids::of(&self.blocks);
-        !Asked::new(self, &solids).exact().is_empty()
+        !PreparedQuestion::new(self, &solids).exact().is_empty()
     }
 }
 
@@ -77,15 +77,15 @@ impl Solids {
 }
 
 /// A question with the pair inside the oracle, which keeps what it answered.
-pub(super) struct Asked<'q> {
+pub(super) struct PreparedQuestion<'q> {
     pub(super) question: &'q Question,
     pub(super) pair: Pair<'q>,
     known: RefCell<Vec<(ToleranceSet, Rc<Vec<Contact>>)>>,
 }
 
-impl<'q> Asked<'q> {
-    pub(super) fn new(question: &'q Question, solids: &'q Solids) -> Asked<'q> {
-        Asked { question, pair: solids.pair(), known: RefCell::default() }
+impl<'q> PreparedQuestion<'q> {
+    pub(super) fn new(question: &'q Question, solids: &'q Solids) -> PreparedQuestion<'q> {
+        PreparedQuestion { question, pair: solids.pair(), known: RefCell::default() }
     }
 
     /// The exact contacts under a tolerance set.
@@ -113,14 +113,14 @@ impl<'q> Asked<'q> {
     /// Whether the engine is right; `None` where nothing exact stands against its answer.
     pub(super) fn is_right(&self) -> Option<bool> {
         match &self.question.reply {
-            Reply::Contacts(_) => Some(self.gives(&self.exact())),
+            Reply::Contacts(_) => Some(self.has_contacts(&self.exact())),
             Reply::State(said) => self.state_is_right(&self.question.blocks, *said),
             Reply::Nothing(_) => Some(false),
         }
     }
 
     /// Whether the engine said just these contacts; contacts of features that the blocks do not have cannot be said, and are no answer.
-    pub(super) fn gives(&self, contacts: &[Contact]) -> bool {
+    pub(super) fn has_contacts(&self, contacts: &[Contact]) -> bool {
         match &self.question.reply {
             Reply::Contacts(said) => completed(said.clone(), contacts) == contacts,
             Reply::State(_) => false,
@@ -166,7 +166,7 @@ impl<'q> Asked<'q> {
         let from = |deciding: Option<crate::finding::DecidingDecision>| {
             deciding.and_then(|deciding| deciding.margin_ulps).map_or(f64::INFINITY, f64::abs)
         };
-        suspect(&changed, &link, features).into_iter().map(from).fold(0.0, f64::max)
+        nearest_decisions(&changed, &link, features).into_iter().map(from).fold(0.0, f64::max)
     }
 }
 

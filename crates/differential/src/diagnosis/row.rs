@@ -1,6 +1,6 @@
 //! A row of `diagnosis.csv`, and what it says in words.
 
-use crate::finding::FAR;
+use crate::finding::FAR_FROM_TIE;
 use serde::{Deserialize, Serialize};
 
 rockproof_model::named_enum! {
@@ -80,7 +80,7 @@ impl DiagnosisRow {
                 format!("{engine}: as well {sentence}: nothing that was asked tells the two apart.")
             }
             DiagnosisVerdict::Rounding => {
-                format!("{engine}: {of} {are} within {FAR} roundoffs of a tie: rounding can be the reason.")
+                format!("{engine}: {of} {are} within {FAR_FROM_TIE} roundoffs of a tie: rounding can be the reason.")
             }
             DiagnosisVerdict::Unexplained => format!("{engine}: no hypothesis explains {of}; see {example}."),
             DiagnosisVerdict::NotRepeated => {

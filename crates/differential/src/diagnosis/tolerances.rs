@@ -1,7 +1,7 @@
 //! Hypotheses about tolerances: one times a factor, left out, in another unit, another one's, or that of another preset.
 
 use super::hypothesis::Hypothesis;
-use super::question::{Asked, Question};
+use super::question::{PreparedQuestion, Question};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::preset::{self, Preset};
@@ -101,7 +101,7 @@ impl Hypothesis for Tolerances {
         }
     }
 
-    fn contacts(&self, asked: &Asked<'_>) -> Option<Vec<Contact>> {
+    fn contacts(&self, asked: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
         Some(asked.contacts(&self.tolerances(asked.question)?).to_vec())
     }
 

@@ -22,6 +22,7 @@ pub use spec::{EngineSpec, EngineSpecError};
 use super::engine::{Answer, Engine, EngineCounts, EngineFailure, Prepared, Shortage, Trace, WideAnswer};
 use super::finding::Cause;
 use process::{NoAnswer, Process};
+use rockproof_model::text::noun;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -140,7 +141,7 @@ impl External {
                 let answer = protocol::answer(&line, id, features);
                 if matches!(answer, Err(EngineFailure::Malformed(_))) {
                     // A line that is no answer may be one that nobody asked for, with the answer behind it. Of a fresh process it would come again.
-                    let unasked = id > 0 && (protocol::is_of_earlier(&line, id) || process.says_more());
+                    let unasked = id > 0 && (protocol::is_of_earlier(&line, id) || process.has_unread_output());
                     // Who knows what else it is about to say.
                     process.kill();
                     return Asked { answer, process: None, unasked };
@@ -293,7 +294,7 @@ fn describe_answer(answer: &Result<Answer, EngineFailure>) -> String {
     match answer {
         Ok(Answer::Contacts(contacts)) => {
             let list: Vec<String> = contacts.iter().map(|c| c.key.to_string()).collect();
-            format!("{} contacts ({})", contacts.len(), list.join(", "))
+            format!("{} {} ({})", list.len(), noun(list.len(), "contact", "contacts"), list.join(", "))
         }
         Ok(Answer::State(said)) => said.to_string(),
         Err(failure) => failure.to_string(),

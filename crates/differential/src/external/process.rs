@@ -101,7 +101,7 @@ impl Process {
     }
 
     /// Whether it writes more soon, without being asked.
-    pub fn says_more(&mut self) -> bool {
+    pub fn has_unread_output(&mut self) -> bool {
         let begin = Instant::now();
         loop {
             let left = MORE.saturating_sub(begin.elapsed());

@@ -2,7 +2,7 @@
 
 use crate::engine::{Answer, EngineFailure};
 use crate::separation_state::{ReportedState, SeparationState};
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{
     Block, Contact, ContactKey, ContactKind, EdgeId, Entrance, EntranceKind, Sign, ToleranceSet, Topology, VertexId,
 };
@@ -40,9 +40,9 @@ pub fn question(id: u64, blocks: &str, tolerances: &ToleranceSet) -> String {
 /// [`EngineFailure::Unsupported`] as the engine says, [`EngineFailure::Malformed`] with what is wrong with the line.
 pub fn answer(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, EngineFailure> {
     read(line, id, features).map_err(|fault| match fault {
-        ProtocolError::Unsupported(why) => EngineFailure::Unsupported(excerpt(&why, SHOWN)),
+        ProtocolError::Unsupported(why) => EngineFailure::Unsupported(excerpt(&why, EXCERPT_LENGTH)),
         ProtocolError::Malformed(what) => {
-            EngineFailure::Malformed(format!("{}; the line was {}", excerpt(&what, SHOWN), quoted(line)))
+            EngineFailure::Malformed(format!("{}; the line was {}", excerpt(&what, EXCERPT_LENGTH), quoted(line)))
         }
     })
 }
@@ -66,10 +66,10 @@ impl From<String> for ProtocolError {
 
 /// The start of a line, for messages.
 fn quoted(line: &[u8]) -> String {
-    const SHOWN: usize = 120;
+    const EXCERPT_LENGTH: usize = 120;
     let text = String::from_utf8_lossy(line);
-    let start: String = text.chars().take(SHOWN).collect();
-    let rest = if text.chars().nth(SHOWN).is_some() { " …" } else { "" };
+    let start: String = text.chars().take(EXCERPT_LENGTH).collect();
+    let rest = if text.chars().nth(EXCERPT_LENGTH).is_some() { " …" } else { "" };
     format!("{start:?}{rest}")
 }
 

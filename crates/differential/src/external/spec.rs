@@ -2,7 +2,7 @@
 
 use crate::builtin::ENGINES;
 use rockproof_model::Precision;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use serde::{Deserialize, Serialize};
 
 /// What an external engine is called, how it is started and what is asked of it.
@@ -69,11 +69,11 @@ pub enum EngineSpecError {
     /// Not `NAME=COMMAND`.
     #[error(
         "\"{}\": expected NAME=COMMAND or NAME:f32=COMMAND, as in parry=./parry-client or mine:f32=python3 client.py",
-        excerpt(.0, SHOWN)
+        excerpt(.0, EXCERPT_LENGTH)
     )]
     Form(String),
     /// A precision that is none.
-    #[error("\"{}\" in \"{}\": a precision is f32 or f64", excerpt(.found, SHOWN), excerpt(.text, SHOWN))]
+    #[error("\"{}\" in \"{}\": a precision is f32 or f64", excerpt(.found, EXCERPT_LENGTH), excerpt(.text, EXCERPT_LENGTH))]
     Precision {
         /// What was found.
         found: String,
@@ -81,13 +81,13 @@ pub enum EngineSpecError {
         text: String,
     },
     /// A name that cannot be one.
-    #[error("engine name \"{name}\": allowed are letters, digits, '-', '_' and '.', at most {LONGEST_NAME} of them, the first a letter or digit, and none of any, f32, f64, {list}", name = excerpt(.0, SHOWN), list = ENGINES.join(", "))]
+    #[error("engine name \"{name}\": allowed are letters, digits, '-', '_' and '.', at most {LONGEST_NAME} of them, the first a letter or digit, and none of any, f32, f64, {list}", name = excerpt(.0, EXCERPT_LENGTH), list = ENGINES.join(", "))]
     Name(String),
     /// Two engines of one name.
-    #[error("two external engines have the name \"{}\"; each needs its own", excerpt(.0, SHOWN))]
+    #[error("two external engines have the name \"{}\"; each needs its own", excerpt(.0, EXCERPT_LENGTH))]
     Twice(String),
     /// A command without a program, or with an open quote.
-    #[error("engine \"{}\": the command \"{}\" names no program, or a quote is not closed", excerpt(.name, SHOWN), excerpt(.command, SHOWN))]
+    #[error("engine \"{}\": the command \"{}\" names no program, or a quote is not closed", excerpt(.name, EXCERPT_LENGTH), excerpt(.command, EXCERPT_LENGTH))]
     Command {
         /// The engine.
         name: String,
@@ -95,7 +95,7 @@ pub enum EngineSpecError {
         command: String,
     },
     /// No time to answer.
-    #[error("engine \"{}\": timeout_ms is 0; allowed are 1 and more", excerpt(.0, SHOWN))]
+    #[error("engine \"{}\": timeout_ms is 0; allowed are 1 and more", excerpt(.0, EXCERPT_LENGTH))]
     Timeout(String),
 }
 
@@ -137,7 +137,7 @@ fn command<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<Stri
     match Either::deserialize(deserializer)? {
         Either::List(list) => Ok(list),
         Either::Text(text) => split(&text).ok_or_else(|| {
-            let text = excerpt(&text, SHOWN);
+            let text = excerpt(&text, EXCERPT_LENGTH);
             serde::de::Error::custom(format!("\"{text}\" names no program, or a quote is not closed"))
         }),
     }

@@ -36,7 +36,7 @@ impl Process {
     }
 
     /// Says nothing.
-    pub fn says_more(&mut self) -> bool {
+    pub fn has_unread_output(&mut self) -> bool {
         match *self {}
     }
 

@@ -1,13 +1,13 @@
 //! A state file: one step that stepper and oracle did not make alike, to be made again.
 
 use crate::lockstep::answer::{StepDecisions, described};
-use crate::lockstep::intrusion::{Intruded, WatchedStep};
+use crate::lockstep::intrusion::{PairIntrusion, WatchedStep};
 use crate::lockstep::run::ComparedStep;
 use crate::lockstep::state::exact_state;
 use rockproof_model::decision::{Feature, Side};
 use rockproof_model::files::read_text;
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{Block, Contact, Precision, Scene, ToleranceSet, Topology};
 use rockproof_simulate::checkpoint::SavedState;
 use rockproof_stepper::Real;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// More steps than a run can make; what is counted in f64 somewhere stays exact below it.
-const MOST_STEPS: u64 = 1 << 53;
+const MAX_STEPS: u64 = 1 << 53;
 
 /// What a state file holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,7 +73,7 @@ impl Expected {
 
     /// What is to be recorded of a step: an answer, and of a step that was looked through what was found there.
     pub fn of_step(step: &ComparedStep) -> Option<Expected> {
-        let words = |one: &Intruded| format!("{}-{} {}", one.blocks[0], one.blocks[1], one.kind.name());
+        let words = |one: &PairIntrusion| format!("{}-{} {}", one.blocks[0], one.blocks[1], one.kind.name());
         let all = |watched: &WatchedStep| watched.oracle.found.iter().map(words).collect();
         let intrusions = step.watched.as_ref().map(all);
         Some(Expected { intrusions, ..Expected::of(step.oracle.as_ref()?) })
@@ -132,7 +132,7 @@ impl StepCase {
     pub fn parse(text: &str) -> Result<StepCase, StepCaseError> {
         let case: StepCase = serde_json::from_str(text)?;
         if case.format != StepCase::FORMAT {
-            return Err(StepCaseError::Format(excerpt(&case.format, SHOWN)));
+            return Err(StepCaseError::Format(excerpt(&case.format, EXCERPT_LENGTH)));
         }
         let precision = case.precision()?;
         let (scene, _) = case.scene()?;
@@ -157,7 +157,7 @@ impl StepCase {
         if self.state.last_time_step.0 <= 0.0 {
             return refuse(&format!("last_time_step = {:?}", self.state.last_time_step.0), "more than 0");
         }
-        if self.state.step > MOST_STEPS {
+        if self.state.step > MAX_STEPS {
             return refuse(&format!("step = {}", self.state.step), "up to 2^53");
         }
         let next = match self.state.settling {
@@ -188,7 +188,7 @@ impl StepCase {
         match self.engine.as_str() {
             "f32" => Ok(Precision::F32),
             "f64" => Ok(Precision::F64),
-            other => Err(StepCaseError::Engine(excerpt(other, SHOWN))),
+            other => Err(StepCaseError::Engine(excerpt(other, EXCERPT_LENGTH))),
         }
     }
 

@@ -1,7 +1,7 @@
 //! States after a step that deviate by more than rounding, though all decisions are the same.
 
 use crate::lockstep::answer::{StepDecisions, compare};
-use crate::lockstep::run::{ComparedStep, KEEP, Lockstep, NEARLY_AT_REST, wide_stepper};
+use crate::lockstep::run::{ComparedStep, KEPT_PRECISION, Lockstep, NEARLY_AT_REST, wide_stepper};
 use crate::lockstep::state::exact_state;
 use crate::lockstep::state_errors::{anchor_error, largest_distance, rate_error};
 use rockproof_model::{Number, Precision};
@@ -13,14 +13,14 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
     /// What deviates.
-    pub what: Drifting,
+    pub what: DriftQuantity,
     /// By how much: of velocities a share of the largest rate of the block, otherwise a share of `max_displacement`.
     pub error: f64,
 }
 
 /// What of a state deviates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Drifting {
+pub enum DriftQuantity {
     /// Anchors of closed contacts.
     Anchors,
     /// Velocities.
@@ -29,20 +29,20 @@ pub enum Drifting {
     Displacement,
 }
 
-impl Drifting {
+impl DriftQuantity {
     /// The name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Drifting::Anchors => "anchors",
-            Drifting::Velocity => "velocity",
-            Drifting::Displacement => "displacement",
+            DriftQuantity::Anchors => "anchors",
+            DriftQuantity::Velocity => "velocity",
+            DriftQuantity::Displacement => "displacement",
         }
     }
 }
 
 impl fmt::Display for Drift {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let of = if self.what == Drifting::Velocity { "its rate" } else { "max_displacement" };
+        let of = if self.what == DriftQuantity::Velocity { "its rate" } else { "max_displacement" };
         write!(f, "{}: {:e} of {of} in 512 bits", self.what.name(), self.error)
     }
 }
@@ -80,7 +80,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     fn deviations_in_wide(&mut self, before: &State<R>, reach: f64) -> Option<[Drift; 3]> {
         let start = exact_state(before).ok()?;
         let (rounded, wide) = self.rounded_and_wide();
-        let exact = rounded.step(&start, KEEP).ok()?;
+        let exact = rounded.step(&start, KEPT_PRECISION).ok()?;
         let step = wide_stepper(wide, rounded)?.step(before).ok()?;
         let (answer, after) = step.outcome.ok()?;
         if step.unsettled > 0
@@ -96,9 +96,9 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let vertices = after.blocks.iter().zip(&exact.state.blocks).map(distance).fold(0.0, f64::max);
         let anchors = anchor_error(&after, &exact.state).unwrap_or(0.0);
         Some([
-            Drift { what: Drifting::Anchors, error: anchors / reach },
-            Drift { what: Drifting::Velocity, error: rate_error(&start, &after, &exact.state, slow) },
-            Drift { what: Drifting::Displacement, error: vertices / reach },
+            Drift { what: DriftQuantity::Anchors, error: anchors / reach },
+            Drift { what: DriftQuantity::Velocity, error: rate_error(&start, &after, &exact.state, slow) },
+            Drift { what: DriftQuantity::Displacement, error: vertices / reach },
         ])
     }
 }

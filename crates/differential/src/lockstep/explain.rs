@@ -170,7 +170,7 @@ impl Explainer<'_> {
             before: &|| Some(Rc::new(trace(&before, self.before.tolerances, &kept))),
             after: &|| trace_after().map(Rc::new),
             margins: &|decisions| {
-                let margins = before.margins_keeping(self.before.tolerances, &kept, decisions);
+                let margins = before.margins_with_kept(self.before.tolerances, &kept, decisions);
                 margins.into_iter().map(|margin| margin.map(signed)).collect()
             },
             roundoff: self.roundoff,
@@ -181,7 +181,7 @@ impl Explainer<'_> {
 
 /// The decisions of the oracle about a pair.
 fn trace(pair: &Pair<'_>, tolerances: &ToleranceSet, kept: &[ContactKey]) -> IndexedTrace {
-    let (decisions, index) = pair.outcomes_keeping(tolerances, kept);
+    let (decisions, index) = pair.outcomes_with_kept(tolerances, kept);
     IndexedTrace::with_index(decisions, index)
 }
 

@@ -3,7 +3,7 @@
 //! (SPEC section 7), and what is found gets its cause.
 
 use crate::finding::Cause;
-use crate::lockstep::run::KEEP;
+use crate::lockstep::run::KEPT_PRECISION;
 use crate::lockstep::scene::ExactScene;
 use crate::lockstep::state::rounded_state;
 use num_bigint::BigInt;
@@ -83,7 +83,7 @@ impl fmt::Display for StepCause {
 
 /// One intrusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Intruded {
+pub struct PairIntrusion {
     /// The sort.
     pub kind: Intrusion,
     /// The blocks, the lower number first.
@@ -94,7 +94,7 @@ pub struct Intruded {
     pub depth: Option<f64>,
 }
 
-impl Intruded {
+impl PairIntrusion {
     fn key(&self) -> (Intrusion, [usize; 2]) {
         (self.kind, self.blocks)
     }
@@ -104,7 +104,7 @@ impl Intruded {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Intrusions {
     /// Passages, then overlaps, each by pair.
-    pub found: Vec<Intruded>,
+    pub found: Vec<PairIntrusion>,
     /// Pairs of which it stayed undecided whether they pass.
     pub undecided: Vec<[usize; 2]>,
 }
@@ -138,7 +138,7 @@ impl Intrusions {
     }
 
     /// That of a sort between two blocks, if there is one.
-    pub fn between(&self, kind: Intrusion, blocks: [usize; 2]) -> Option<&Intruded> {
+    pub fn between(&self, kind: Intrusion, blocks: [usize; 2]) -> Option<&PairIntrusion> {
         self.found.iter().find(|one| one.key() == (kind, blocks))
     }
 }
@@ -171,7 +171,7 @@ impl LookedThrough<'_> {
                 PassageAnswer::Undecided => all.undecided.push(blocks),
                 PassageAnswer::Passage { time, depth } => {
                     let time = Number::from_rational(time).approximate();
-                    all.found.push(Intruded { kind: Intrusion::Passage, blocks, time, depth: depth.depth_m() });
+                    all.found.push(PairIntrusion { kind: Intrusion::Passage, blocks, time, depth: depth.depth_m() });
                 }
             }
         }
@@ -191,7 +191,7 @@ impl LookedThrough<'_> {
         for (pair, overlap) in unseen_after {
             if self.unseen(&auditor, pair, 0).is_none() {
                 let (blocks, depth) = (self.numbers(pair), overlap.penetration.depth_m());
-                all.found.push(Intruded { kind: Intrusion::Unseen, blocks, time: 1.0, depth });
+                all.found.push(PairIntrusion { kind: Intrusion::Unseen, blocks, time: 1.0, depth });
             }
         }
     }
@@ -199,7 +199,7 @@ impl LookedThrough<'_> {
     /// The overlap of a pair at an end of the step that no contact sees, those kept among them, and that is more than rounding.
     fn unseen(&self, auditor: &Auditor<'_>, pair: [usize; 2], end: usize) -> Option<Overlap> {
         let kept = kept(self.states[end], self.numbers(pair));
-        auditor.unseen_keeping(pair, &kept).filter(|overlap| !overlap.is_rounding(self.rounding))
+        auditor.unseen_with_kept(pair, &kept).filter(|overlap| !overlap.is_rounding(self.rounding))
     }
 }
 
@@ -241,7 +241,7 @@ pub struct WatchedStep {
 }
 
 /// A step to be looked through.
-pub(super) struct Watch<'w> {
+pub(super) struct IntrusionCheck<'w> {
     /// The scene as it is with ideal tolerances, as it is, and as the engine has it.
     pub(super) scenes: [&'w ExactScene; 3],
     /// Whether rounding changes neither a number of the scene nor one of the state.
@@ -253,17 +253,17 @@ pub(super) struct Watch<'w> {
     pub(super) precision: Precision,
 }
 
-impl Watch<'_> {
+impl IntrusionCheck<'_> {
     /// Looks both sides through. Where either has an intrusion the other links are asked too. `wide` gives the state after the
     /// stepper's step in 512 bits, where no comparison stayed unsettled.
-    pub(super) fn look(&self, wide: impl FnOnce() -> Option<State>) -> WatchedStep {
+    pub(super) fn examine(&self, wide: impl FnOnce() -> Option<State>) -> WatchedStep {
         let [ideal, given, rounded] = self.scenes;
         let begins = rounded.blocks_at(self.before[1]);
         let rounding = rounding_depth(&begins.iter().collect::<Vec<_>>(), self.precision);
         let of = |after: &State| Intrusions::of(rounded, self.before[1], after, &rounding);
         let [oracle, stepper] = self.after.map(of);
         let mut step = WatchedStep { stepper, oracle, attributed: Vec::new() };
-        let keys: BTreeSet<_> = step.oracle.found.iter().chain(&step.stepper.found).map(Intruded::key).collect();
+        let keys: BTreeSet<_> = step.oracle.found.iter().chain(&step.stepper.found).map(PairIntrusion::key).collect();
         if keys.is_empty() {
             return step;
         }
@@ -273,7 +273,7 @@ impl Watch<'_> {
             (!unknown).then(|| side.between(kind, blocks).is_some())
         };
         let exactly = |scene: &ExactScene| {
-            let after = scene.step(self.before[0], KEEP).ok()?;
+            let after = scene.step(self.before[0], KEPT_PRECISION).ok()?;
             Some((Intrusions::of(scene, self.before[0], &after.state, &rounding), after.time_step))
         };
         let asks_exact_links = !step.oracle.found.is_empty();
@@ -314,15 +314,15 @@ impl Watch<'_> {
     /// the one before ended, rounded to f64 as an engine's steps are: the digits of exact states grow with every step.
     fn shorter_steps(&self, blocks: [usize; 2], time_step: &BigRational, rounding: &Number) -> StepCause {
         let prevents = |halvings: &u32| self.prevented(blocks, time_step, *halvings, rounding);
-        if (1..=MOST_HALVINGS).any(|halvings| prevents(&halvings)) { StepCause::StepLength } else { StepCause::NotHeld }
+        if (1..=MAX_HALVINGS).any(|halvings| prevents(&halvings)) { StepCause::StepLength } else { StepCause::NotHeld }
     }
 
     fn prevented(&self, blocks: [usize; 2], time_step: &BigRational, halvings: u32, rounding: &Number) -> bool {
         let scene = self.scenes[0].with_time_step(Number::from_rational(time_step / BigInt::from(1u32 << halvings)));
         let mut state = self.before[0].clone();
         let end = state.time.to_rational() + time_step;
-        for _ in 0..MOST_STEPS << halvings {
-            let Ok(made) = scene.step(&state, KEEP) else { return false };
+        for _ in 0..MAX_STEPS << halvings {
+            let Ok(made) = scene.step(&state, KEPT_PRECISION) else { return false };
             let Some(after) = rounded_state(&made.state, Precision::F64) else { return false };
             if !Intrusions::among(&blocks, &scene, [&state, &after], rounding).are_none() {
                 return false;
@@ -337,7 +337,7 @@ impl Watch<'_> {
 }
 
 /// Halvings of Δt after which shorter steps are given up.
-const MOST_HALVINGS: u32 = 6;
+const MAX_HALVINGS: u32 = 6;
 
 /// So many times the steps that a shorter Δt needs may be made, as some are cut.
-const MOST_STEPS: u32 = 2;
+const MAX_STEPS: u32 = 2;

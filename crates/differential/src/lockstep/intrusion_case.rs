@@ -48,24 +48,24 @@ pub struct IntrusionCase {
 pub enum NoCase {
     /// The stepper's step does not show it again, not even of the whole scene.
     NotShown,
-    /// Of the blocks that show it, at most [`MOST_BLOCKS`], a step cannot be made exactly.
+    /// Of the blocks that show it, at most [`MAX_BLOCKS`], a step cannot be made exactly.
     Unproved,
-    /// So many blocks show it, and no fewer were found that do: more than [`MOST_BLOCKS`].
+    /// So many blocks show it, and no fewer were found that do: more than [`MAX_BLOCKS`].
     TooMany(usize),
 }
 
 /// Parts of more blocks are not stepped exactly to find causes: for one intrusion there may be 250 such steps, each of some milliseconds a
 /// block where it is simple, and far more where it is full of ties.
-pub const MOST_BLOCKS: usize = 64;
+pub const MAX_BLOCKS: usize = 64;
 
-/// Where blocks are left out of a part that has more than [`MOST_BLOCKS`], so few are enough: exact steps of them take little time.
+/// Where blocks are left out of a part that has more than [`MAX_BLOCKS`], so few are enough: exact steps of them take little time.
 const FEW_BLOCKS: usize = 16;
 
 /// The stepper's own step must show the intrusion with at least so much of its depth where blocks are left out.
 const SAME_DEPTH: f64 = 0.5;
 
 /// Finds the case of an intrusion in the step after a state: of its two blocks alone, of these and all within one contact of them, within two,
-/// three and so on, of the whole scene at last, whichever is the first in which the stepper does it again. Of more than [`MOST_BLOCKS`]
+/// three and so on, of the whole scene at last, whichever is the first in which the stepper does it again. Of more than [`MAX_BLOCKS`]
 /// blocks, others than those that it needs for that are left out.
 ///
 /// # Errors
@@ -83,8 +83,8 @@ pub fn intrusion_case<R: Solve>(
         if !step.is_shown_by(&part) {
             continue;
         }
-        let mut part = if part.len() > MOST_BLOCKS { step.with_fewer(part, FEW_BLOCKS) } else { part };
-        if part.len() > MOST_BLOCKS {
+        let mut part = if part.len() > MAX_BLOCKS { step.with_fewer(part, FEW_BLOCKS) } else { part };
+        if part.len() > MAX_BLOCKS {
             return Err(if missing == NoCase::NotShown { NoCase::TooMany(part.len()) } else { missing });
         }
         part.sort_unstable();

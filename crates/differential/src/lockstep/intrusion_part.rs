@@ -5,7 +5,7 @@ mod tests;
 
 use crate::lockstep::cutout::cutout;
 use crate::lockstep::intrusion::Intrusions;
-use crate::lockstep::intrusion_case::{FoundIntrusion, MOST_BLOCKS};
+use crate::lockstep::intrusion_case::{FoundIntrusion, MAX_BLOCKS};
 use crate::lockstep::scene::ExactScene;
 use crate::lockstep::state::exact_state;
 use rockproof_model::{Motion, Precision, Scene, ToleranceSet};
@@ -24,11 +24,11 @@ pub(super) struct ShowingStep<'s, R> {
 }
 
 /// So many times blocks are left out to see whether the others still show an intrusion.
-const MOST_TRIES: usize = 100;
+const MAX_TRIES: usize = 100;
 
 impl<R: Solve> ShowingStep<'_, R> {
     /// Parts of the scene around the pair, each with all of the one before: the pair, the blocks within one contact, two, three and so on,
-    /// the whole scene. Each by distance in contacts, then by number. Up to [`MOST_BLOCKS`] they grow by one contact at a time; beyond, each
+    /// the whole scene. Each by distance in contacts, then by number. Up to [`MAX_BLOCKS`] they grow by one contact at a time; beyond, each
     /// reaches twice as far as the one before. What is beside the pair is found out when the pair alone is not enough.
     pub(super) fn parts(&self) -> impl Iterator<Item = Vec<usize>> {
         let beyond = std::iter::once_with(|| self.parts_beyond_the_pair()).flatten();
@@ -42,7 +42,7 @@ impl<R: Solve> ShowingStep<'_, R> {
         while let Some(&size) = rings.get(contacts) {
             parts.push(order[..size].to_vec());
             largest = size;
-            contacts = if size <= MOST_BLOCKS { contacts + 1 } else { 2 * contacts };
+            contacts = if size <= MAX_BLOCKS { contacts + 1 } else { 2 * contacts };
         }
         if largest < order.len() {
             parts.push(order);
@@ -111,7 +111,7 @@ impl<R: Solve> ShowingStep<'_, R> {
         Some(dynamics.state().clone())
     }
 
-    /// Of blocks that show it as many as do so too, until there are `enough` or [`MOST_TRIES`] are made: halves are left out, quarters and so on,
+    /// Of blocks that show it as many as do so too, until there are `enough` or [`MAX_TRIES`] are made: halves are left out, quarters and so on,
     /// the last ones first. The pair comes first and stays.
     pub(super) fn with_fewer(&self, mut blocks: Vec<usize>, enough: usize) -> Vec<usize> {
         let pair = self.found.blocks.len();
@@ -119,7 +119,7 @@ impl<R: Solve> ShowingStep<'_, R> {
         while many > 0 {
             let mut end = blocks.len();
             while end > pair {
-                if blocks.len() <= enough || tries == MOST_TRIES {
+                if blocks.len() <= enough || tries == MAX_TRIES {
                     return blocks;
                 }
                 tries += 1;

@@ -10,7 +10,7 @@ pub mod free;
 pub mod intrusion;
 pub mod intrusion_case;
 mod intrusion_part;
-pub mod penetration_cause;
+pub mod penetration_effect;
 pub mod recorded;
 pub mod replay;
 pub mod run;
@@ -24,7 +24,7 @@ pub mod wide;
 
 pub use answer::{StepAnswerChange, StepDecisions, StepDifference, compare};
 pub use case_file::StepCase;
-pub use drift::{Drift, Drifting};
+pub use drift::{Drift, DriftQuantity};
 pub use explain::{AttributedDifference, ComparedLinks};
 pub use free::FreeStepping;
 pub use intrusion::{Intrusion, StepCause, WatchedStep};

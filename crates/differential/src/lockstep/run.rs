@@ -7,8 +7,8 @@ use crate::lockstep::answer::{StepDecisions, StepDifference, compare};
 use crate::lockstep::explain::{
     AttributedDifference, ComparedLinks, Explainer, LinkSide, measure_modes, stepper_trace,
 };
-use crate::lockstep::intrusion::{Watch, WatchedStep};
-use crate::lockstep::penetration_cause::{StepPenetrations, penetration};
+use crate::lockstep::intrusion::{IntrusionCheck, WatchedStep};
+use crate::lockstep::penetration_effect::{StepPenetrations, penetration};
 use crate::lockstep::scene::{ExactScene, NumberOverflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::state_errors::{anchor_error, displacement_error, velocity_error};
@@ -21,7 +21,7 @@ use rockproof_stepper::dynamics::{
 use std::time::{Duration, Instant};
 
 /// What the oracle keeps of coordinates after a step: far finer than any engine, and within reach of balls of two f64.
-pub const KEEP: KeptPrecision = KeptPrecision::Grid { exponent: KEPT_EXPONENT };
+pub const KEPT_PRECISION: KeptPrecision = KeptPrecision::Grid { exponent: KEPT_EXPONENT };
 
 /// Its grid is that of multiples of 2 to the power of minus this (m).
 pub(super) const KEPT_EXPONENT: u32 = 80;
@@ -208,7 +208,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         made: &Result<StepReport, StepError>,
         compared: &mut ComparedStep,
     ) {
-        let exact = self.rounded.step(start, KEEP);
+        let exact = self.rounded.step(start, KEPT_PRECISION);
         if self.links == ComparedLinks::All {
             let decided = exact.as_ref().map(StepDecisions::of_oracle).map_err(Clone::clone);
             self.exact_links(before, start, &decided, compared);
@@ -328,9 +328,9 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let own_begin = (*before == self.begin).then(|| self.given.begin());
         let unrounded = own_begin.as_ref().unwrap_or(start);
         let (scenes, alike) = ([&self.ideal, &self.given, &self.rounded], self.same && unrounded == start);
-        let step = Watch { scenes, alike, before: [unrounded, start], after, precision: self.precision };
+        let step = IntrusionCheck { scenes, alike, before: [unrounded, start], after, precision: self.precision };
         let wide = &mut self.wide;
-        step.look(|| {
+        step.examine(|| {
             let step = wide_stepper(wide, scenes[2])?.step(before).ok()?;
             let (_, after) = step.outcome.ok().filter(|_| step.unsettled == 0)?;
             Some(scenes[2].kept(exact_state(&after).ok()?))

@@ -124,7 +124,7 @@ impl ExactScene {
         self.scene.blocks[block].block.with_vertices(state.blocks[block].vertices.clone())
     }
 
-    /// A state after a step as the oracle keeps it (`KEEP`): vertices of blocks that may move rounded to the grid, a half away from zero. What both
+    /// A state after a step as the oracle keeps it (`KEPT_PRECISION`): vertices of blocks that may move rounded to the grid, a half away from zero. What both
     /// sides make exactly is then the same on both, blocks that touch among it.
     pub fn kept(&self, mut state: step::State) -> step::State {
         let scale = BigInt::from(1) << KEPT_EXPONENT;

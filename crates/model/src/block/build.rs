@@ -5,7 +5,7 @@ use crate::block::error::BlockError;
 use crate::block::face_intersection::{FaceIntersection, TriangulatedFaces};
 use crate::block::merge;
 use crate::block::planarity::Planarity;
-use crate::block::polynomials::{Area, Kappa, Orientation, SameSide, Volume};
+use crate::block::polynomials::{Area, EdgeConvexity, Orientation, SameSide, Volume};
 use crate::block::simple::check_simple;
 use crate::block::triangles::TriangulatedFace;
 use crate::block::{Block, BlockOptions, BlockShape, Merged, Merging, Point};
@@ -63,12 +63,12 @@ pub(super) fn build(
 }
 
 /// Bits of the common denominator of all coordinates: n fractions of d digits would otherwise cost n²·d.
-const MOST_BITS: u64 = 1 << 16;
+const MAX_BITS: u64 = 1 << 16;
 
 fn check_denominator(vertices: &[Point]) -> Result<(), BlockError> {
     let ratios = || vertices.iter().flat_map(|v| v.components()).filter_map(|c| c.as_ratio());
     // The product of all denominators bounds their least common multiple.
-    if ratios().map(|r| r.denom().bits()).sum::<u64>() <= MOST_BITS {
+    if ratios().map(|r| r.denom().bits()).sum::<u64>() <= MAX_BITS {
         return Ok(());
     }
     let mut common = BigInt::one();
@@ -76,8 +76,8 @@ fn check_denominator(vertices: &[Point]) -> Result<(), BlockError> {
         if !common.is_multiple_of(ratio.denom()) {
             common = common.lcm(ratio.denom());
         }
-        if common.bits() > MOST_BITS {
-            return Err(BlockError::TooFine { limit: MOST_BITS });
+        if common.bits() > MAX_BITS {
+            return Err(BlockError::TooFine { limit: MAX_BITS });
         }
     }
     Ok(())
@@ -171,7 +171,7 @@ fn check_merged(draft: &BlockDraft, options: &BlockOptions) -> Result<Vec<Sign>,
 fn signs_of_edges(surface: &Surface<'_>, draft: &BlockDraft) -> Result<Vec<Sign>, BlockError> {
     let sign = |edge: &Edge| {
         let &Edge { p, q, left, right } = edge;
-        let sign = surface.sign(&Kappa { p, q, left, right });
+        let sign = surface.sign(&EdgeConvexity { p, q, left, right });
         if sign.is_zero() && !surface.sign(&SameSide { left, right }).is_positive() {
             let [p, q] = [p, q].map(|v| draft.vertex_names[v.index()]);
             let [left, right] = [left, right].map(|f| draft.face_names[f.index()]);

@@ -42,7 +42,7 @@ pub(super) struct Filtered {
 
 /// Loops up to this length, and this many faces, keep the roundings on the way to any term of any question below 500.
 const LONGEST_FILTERED_LOOP: usize = 128;
-const MOST_FILTERED_FACES: usize = 256;
+const MAX_FILTERED_FACES: usize = 256;
 
 impl Filtered {
     /// With at most 500 roundings of 2^−53 on the way to any term, the error is below 512 · 2^−53 of the magnitude;
@@ -224,7 +224,7 @@ enum ExactCoordinates<'a> {
 
 impl<'a> Surface<'a> {
     pub(super) fn new(coordinates: &'a Coordinates<'a>, faces: &'a [Vec<VertexId>]) -> Surface<'a> {
-        let short = faces.len() <= MOST_FILTERED_FACES && faces.iter().all(|f| f.len() <= LONGEST_FILTERED_LOOP);
+        let short = faces.len() <= MAX_FILTERED_FACES && faces.iter().all(|f| f.len() <= LONGEST_FILTERED_LOOP);
         let filtered = coordinates.filtered().filter(|_| short).map(|points| normals(points, faces));
         Surface { coordinates, faces, filtered, exact: OnceCell::new() }
     }

@@ -21,14 +21,14 @@ impl BlockPolynomial for Area {
 }
 
 /// κ of SPEC section 2: positive convex, negative reflex, zero flat or folded. The edge runs p → q in `left`.
-pub(super) struct Kappa {
+pub(super) struct EdgeConvexity {
     pub(super) p: VertexId,
     pub(super) q: VertexId,
     pub(super) left: FaceId,
     pub(super) right: FaceId,
 }
 
-impl BlockPolynomial for Kappa {
+impl BlockPolynomial for EdgeConvexity {
     fn value<T: Ring>(&self, view: &CoordinateView<'_, T>) -> T {
         let d = point(view, self.q).minus(point(view, self.p));
         view.normals[self.left.index()].cross(&view.normals[self.right.index()]).dot(&d)

@@ -439,7 +439,7 @@ proptest! {
 #[test]
 fn ties_and_near_ties_reach_the_exact_stages() {
     use certain_sign::{Coordinates, Surface};
-    use polynomials::Kappa;
+    use polynomials::EdgeConvexity;
     let ask = |vertices: &[Point]| {
         let approximate: Vec<[f64; 3]> = vertices.iter().map(|v| v.components().map(|c| c.approximate())).collect();
         let coordinates = Coordinates::new(vertices, &approximate);
@@ -447,7 +447,7 @@ fn ties_and_near_ties_reach_the_exact_stages() {
         let faces: Vec<Vec<VertexId>> = fan(&CUBE_FACES).into_iter().map(numbered).collect();
         let surface = Surface::new(&coordinates, &faces);
         // Edge 4-6 splits the top.
-        let kappa = Kappa { p: VertexId(6), q: VertexId(4), left: FaceId(2), right: FaceId(3) };
+        let kappa = EdgeConvexity { p: VertexId(6), q: VertexId(4), left: FaceId(2), right: FaceId(3) };
         (surface.estimate(&kappa).and_then(|k| k.sign()), surface.sign(&kappa))
     };
     assert_eq!(ask(&points(&CUBE)).1, Sign::Zero);

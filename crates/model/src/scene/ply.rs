@@ -7,7 +7,7 @@ use crate::scene::error::SceneProblem;
 use crate::scene::mesh::{Face, blocks, weld};
 use crate::scene::raw::RawBlock;
 use crate::scene::tokens::{Located, out_of};
-use crate::text::{SHOWN, excerpt};
+use crate::text::{EXCERPT_LENGTH, excerpt};
 use crate::vector::Vec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType};
@@ -137,7 +137,7 @@ fn check_element(element: &ElementDef, bytes: usize) -> Result<(), Located> {
     }
     // Each takes a byte or more, and one without properties would take none.
     if element.properties.is_empty() || element.count > bytes {
-        let what = format!("the number of elements \"{}\"", excerpt(&element.name, SHOWN));
+        let what = format!("the number of elements \"{}\"", excerpt(&element.name, EXCERPT_LENGTH));
         let allowed = match element.properties.is_empty() {
             true => "0, since they have no property".to_owned(),
             false => format!("at most {bytes}, the bytes of the file"),
@@ -189,6 +189,6 @@ fn located(error: ParseError) -> Located {
         None => &said,
     };
     let said: Vec<&str> = said.split_whitespace().collect();
-    let found = format!("what is no PLY ({})", excerpt(&said.join(" "), SHOWN));
+    let found = format!("what is no PLY ({})", excerpt(&said.join(" "), EXCERPT_LENGTH));
     (line, SceneProblem::Unexpected { found, expected: "what the header announces".to_owned() })
 }

@@ -10,7 +10,7 @@ use crate::scene::error::SceneProblem;
 use crate::scene::mesh::{Face, blocks, weld};
 use crate::scene::raw::RawBlock;
 use crate::scene::tokens::{Located, Token, Tokens, as_text, unexpected};
-use crate::text::{SHOWN, excerpt};
+use crate::text::{EXCERPT_LENGTH, excerpt};
 use crate::vector::Vec3;
 
 /// Bytes before the triangles of a binary file: any 80, and their number.
@@ -149,7 +149,7 @@ fn rest_of_line(tokens: &mut Tokens<'_>, line: usize) -> Result<Option<String>, 
     }
     let name = words.join(" ");
     if name.chars().any(char::is_control) {
-        let found = format!("\"{}\"", excerpt(&name, SHOWN));
+        let found = format!("\"{}\"", excerpt(&name, EXCERPT_LENGTH));
         return Err((
             Some(line),
             SceneProblem::Unexpected { found, expected: "a name without control characters".to_owned() },

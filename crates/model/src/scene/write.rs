@@ -102,7 +102,7 @@ pub fn write_toml(scene: &Scene) -> String {
     }
     let is_moved = scene.simulation != Simulation::default();
     if is_moved {
-        simulation::world(&mut out, &scene.simulation);
+        simulation::write_simulation(&mut out, &scene.simulation);
     }
     for (i, block) in scene.blocks.iter().enumerate() {
         if i > 0 {

@@ -3,8 +3,8 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use proptest::prelude::*;
-use rockproof_model::rules::{check, check_scene};
 use rockproof_model::scene::SceneFormat;
+use rockproof_model::tolerance_rules::{check, check_scene};
 use rockproof_model::{
     Block, BlockOptions, Criteria, Number, Precision, Rule, Scene, ToleranceSet, ToleranceSpec, Vec3,
 };

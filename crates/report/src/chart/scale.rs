@@ -1,7 +1,7 @@
 //! From values on an axis to places in a picture, and which values are named.
 
 use super::{AxisScale, Chart, ChartAxis, ChartContent, LogScale};
-use crate::stress_reach::power;
+use crate::safe_levels::power;
 
 impl LogScale {
     /// Where a value is drawn: as what it is, or as a zero.

@@ -18,7 +18,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
     section.parts.push(SectionPart::Chart(by_setting(campaigns)));
     section.parts.extend(not_shown(campaigns));
     let (table, whole) = table(campaigns);
-    section.parts.push(SectionPart::Table(table, whole.min(MOST)));
+    section.parts.push(SectionPart::Table(table, whole.min(MAX_ROWS)));
     let families = families(campaigns);
     section.parts.push(SectionPart::Chart(family_map(campaigns)));
     section.parts.push(SectionPart::Quiet(families));
@@ -45,7 +45,7 @@ fn share_cells(sums: &AgreementCounts) -> [TableCell; 3] {
 }
 
 /// How many rows of agreement the page shows.
-const MOST: usize = 48;
+const MAX_ROWS: usize = 48;
 
 /// All rows, those about what users see first, and how many these are.
 fn table(campaigns: &[CampaignRun]) -> (Table, usize) {

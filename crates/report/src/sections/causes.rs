@@ -23,7 +23,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
 }
 
 /// How many settings the chart shows.
-const MOST: usize = 20;
+const MAX_SETTINGS: usize = 20;
 
 fn by_setting(campaigns: &[CampaignRun]) -> Chart {
     let mut counts: BTreeMap<Cause, BTreeMap<String, u64>> = BTreeMap::new();
@@ -39,8 +39,8 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
     let sum = |row: &String| -> u64 { counts.values().filter_map(|counts| counts.get(row)).sum() };
     let mut order: Vec<String> = rows.iter().cloned().collect();
     order.sort_by_key(|row| std::cmp::Reverse(sum(row)));
-    let left = order.len().saturating_sub(MOST);
-    let rows: Vec<String> = order.into_iter().take(MOST).collect::<BTreeSet<String>>().into_iter().collect();
+    let left = order.len().saturating_sub(MAX_SETTINGS);
+    let rows: Vec<String> = order.into_iter().take(MAX_SETTINGS).collect::<BTreeSet<String>>().into_iter().collect();
     let series = counts.iter().map(|(cause, counts)| BarSeries {
         name: cause.name().to_owned(),
         color: ChartColor::Cause(*cause),
@@ -51,7 +51,9 @@ fn by_setting(campaigns: &[CampaignRun]) -> Chart {
     let axes = [ChartAxis::from_zero("findings"), ChartAxis::names("", rows)];
     let caption = match left {
         0 => "Findings by tolerance setting and cause".to_owned(),
-        left => format!("Findings by cause, of the {MOST} tolerance settings with the most; {left} more in causes.csv"),
+        left => format!(
+            "Findings by cause, of the {MAX_SETTINGS} tolerance settings with the most; {left} more in causes.csv"
+        ),
     };
     Chart::new("chart-causes", caption, height, axes, content)
 }

@@ -44,7 +44,7 @@ pub struct MatrixCell {
 }
 
 /// How many settings of an engine have a matrix of their own.
-const MOST: usize = 16;
+const MAX_SETTINGS: usize = 16;
 
 pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
     let mut section = Section::new(
@@ -91,9 +91,9 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
                 wrong as f64 / all.max(1) as f64
             };
             let mut settings: Vec<_> = of().filter(|(compared, _)| campaign.shows(&compared.tolerances)).collect();
-            if settings.len() > MOST {
+            if settings.len() > MAX_SETTINGS {
                 settings.sort_by(|(_, a), (_, b)| wrong(b).total_cmp(&wrong(a)));
-                left_out += settings.drain(MOST..).count();
+                left_out += settings.drain(MAX_SETTINGS..).count();
             }
             let shown = settings.into_iter();
             matrices.extend(shown.map(|(c, confusion)| matrix(format!("{name}, {}", c.tolerances), confusion)));
@@ -102,7 +102,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Section {
     section.parts.push(SectionPart::Matrices(matrices));
     if left_out > 0 {
         section.parts.push(SectionPart::Text(format!(
-            "Setting by setting are the {MOST} of each engine with the largest share of wrong kinds; {left_out} more in confusion.csv."
+            "Setting by setting are the {MAX_SETTINGS} of each engine with the largest share of wrong kinds; {left_out} more in confusion.csv."
         )));
     }
     section.parts.push(SectionPart::Quiet(table));

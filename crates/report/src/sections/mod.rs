@@ -19,7 +19,7 @@ pub use worst::{CHOICES, FindingContact, FindingView, ShownCase};
 
 use super::chart::Chart;
 use super::error::ReportError;
-use super::latex::MOST_ROWS;
+use super::latex::MAX_ROWS;
 use super::load::Results;
 use super::table::Table;
 use super::verdict::makes_steps_alone;
@@ -76,7 +76,7 @@ impl Section {
     pub(crate) fn printed_tables(&self) -> impl Iterator<Item = (&Table, usize)> {
         self.parts.iter().filter_map(|part| match part {
             SectionPart::Table(table, most) => Some((table, *most)),
-            SectionPart::Quiet(table) => Some((table, MOST_ROWS)),
+            SectionPart::Quiet(table) => Some((table, MAX_ROWS)),
             _ => None,
         })
     }

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const BASE: &str = "base";
 
 /// Rows of each table that the page shows.
-const MOST: usize = 40;
+const MAX_ROWS: usize = 40;
 
 /// The section, where pairs of a campaign made steps.
 pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
@@ -119,7 +119,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Option<Section> {
         }
     }
     for table in [differences, penetration, intrusions] {
-        section.parts.push(SectionPart::Table(table, shown.min(MOST)));
+        section.parts.push(SectionPart::Table(table, shown.min(MAX_ROWS)));
     }
     for (number, run) in campaigns.iter().enumerate() {
         section.parts.extend(charts(number, run, campaigns.len()).into_iter().map(SectionPart::Chart));

@@ -4,8 +4,8 @@ use super::{Section, SectionPart};
 use crate::chart::{
     Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve as ChartCurve, LineStyle, LogScale, PointLook,
 };
+use crate::safe_levels::{SafeLevels, alignment_words, noun, power, safe_levels};
 use crate::stress::{Curve, StressCell, StressLimit, StressRun, StressStep};
-use crate::stress_reach::{Reach, alignment_words, noun, power, reach};
 use crate::table::{Table, TableCell, label, percent};
 use rockproof_campaign::stress::table::{Proof, SAFE_SHARE};
 use rockproof_campaign::stress::{PairAlignment, StressAxis};
@@ -76,7 +76,7 @@ fn limits_in_words(run: &StressRun) -> Vec<String> {
         .into_iter()
         .rev()
         .map(|((engine, setting, form), limits)| {
-            let Reach { safe, never, untold } = reach(limits.into_iter());
+            let SafeLevels { safe, never, untold } = safe_levels(limits.into_iter());
             let list = |all: &[String]| all.join("; ");
             let mut words = format!("{engine}, {} ({setting}): ", alignment_words(form));
             words += &match (safe.is_empty(), untold.is_empty()) {

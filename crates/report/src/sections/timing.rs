@@ -2,7 +2,7 @@
 
 use super::{Section, SectionPart};
 use crate::chart::{Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve, LineStyle, LogScale, PointLook};
-use crate::stress_reach::power;
+use crate::safe_levels::power;
 use crate::table::{Table, TableCell, short};
 use crate::timing::{Measurement, TimingRun};
 use std::collections::BTreeSet;

@@ -9,7 +9,7 @@ use crate::view;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::quoted;
-use rockproof_differential::finding::{Cause, FAR};
+use rockproof_differential::finding::{Cause, FAR_FROM_TIE};
 use rockproof_model::decision::Predicate;
 use rockproof_model::files::refuse_what_is_no_file;
 use rockproof_model::text::escaped;
@@ -200,7 +200,7 @@ impl ShownCase<'_> {
 
     /// What a margin says about where to look.
     fn remark(&self, ulps: Option<f64>) -> Option<&'static str> {
-        if ulps? <= FAR {
+        if ulps? <= FAR_FROM_TIE {
             return None;
         }
         match self.cause {

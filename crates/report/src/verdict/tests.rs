@@ -22,7 +22,7 @@ fn rows<T: DeserializeOwned>(columns: &[&str], rows: &[&str]) -> Vec<T> {
 fn campaign(engines: &[(&str, u64)], findings: &[&str], step_findings: &[&str], steps: StepCounts) -> CampaignRun {
     let run = json!({
         "version": "0", "seed": 1, "configuration": {}, "machine": { "os": "", "architecture": "", "cores": 1 },
-        "finished": true, "pairs": LEAST, "contacts": 0, "findings": { "total": findings.len() },
+        "finished": true, "pairs": MIN_PAIRS, "contacts": 0, "findings": { "total": findings.len() },
         "metamorphic_checks": 0, "seconds": 1.0,
     });
     let (mut tally, mut step_tally) = (FindingTally::default(), StepTally::default());
@@ -212,10 +212,10 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     let told = "No passage and no unseen overlap in 10 audited steps of 2 of 2 runs; passages within steps were not looked for in 1";
     assert!(has(&lines, Severity::Fair, told), "{lines:?}");
     let lines = of(run.clone(), vec![motion("one", Some(overlaps_alone))]);
-    assert!(has(&lines, Severity::Fair, "one: contacts see every overlap after 5 steps; passages"), "{lines:?}");
+    assert!(has(&lines, Severity::Fair, "one: no unseen overlap in 5 steps; passages"), "{lines:?}");
     let open = AuditTotals { undecided: Some(1), ..sound.clone() };
-    assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: contacts see every overlap"));
-    assert!(has(&of(run, vec![motion("one", Some(open))]), Severity::Fair, "one: contacts see every overlap"));
+    assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: no unseen overlap"));
+    assert!(has(&of(run, vec![motion("one", Some(open))]), Severity::Fair, "one: no unseen overlap"));
 }
 
 #[test]
@@ -226,7 +226,7 @@ fn few_pairs_without_a_mistake_are_not_called_well() {
         let lines = |run: &CampaignRun| mistakes(std::slice::from_ref(run)).expect("a line");
         let line = lines(&run);
         assert!(line.severity == Severity::Good && line.text.contains(" in 300 pairs."), "{line:?}");
-        run.run.pairs = LEAST - 1;
+        run.run.pairs = MIN_PAIRS - 1;
         let line = lines(&run);
         assert!(line.severity == Severity::Fair && line.text.contains(" in 299 pairs."), "{line:?}");
         assert!(line.text.contains("300 show a mistake of one pair in a hundred with 95 %"), "{line:?}");
@@ -236,7 +236,7 @@ fn few_pairs_without_a_mistake_are_not_called_well() {
         assert!(line.severity == Severity::Fair && line.text.contains(" in 1 pair (part 1 of 2)."), "{line:?}");
     }
     // What the number is chosen by.
-    assert!(0.99_f64.powi(LEAST as i32) < 0.05 && 0.99_f64.powi(LEAST as i32 - 10) > 0.05);
+    assert!(0.99_f64.powi(MIN_PAIRS as i32) < 0.05 && 0.99_f64.powi(MIN_PAIRS as i32 - 10) > 0.05);
 }
 
 /// A run of five audited steps in which all is well, asked for so many, with an ending.
@@ -258,12 +258,12 @@ fn ended(ending: &str, steps: u64, asked: Option<u64>, reason: &str) -> MotionRu
 fn a_run_that_was_cut_short_is_not_called_well_and_says_where_and_why() {
     let of = |runs: Vec<MotionRun>| verdict(&Results { motions: runs, ..Results::default() });
     let lines = of(vec![ended("finished", 5, Some(5), "")]);
-    assert!(has(&lines, Severity::Good, "one: contacts see every overlap"), "{lines:?}");
+    assert!(has(&lines, Severity::Good, "one: no unseen overlap"), "{lines:?}");
     for (run, told) in [
-        (ended("stopped", 3, Some(5), "step 4: no"), "one: stopped at step 4 of 5: no; contacts see"),
-        (ended("interrupted", 70, Some(300), ""), "one: interrupted after 70 of 300 steps; contacts see"),
-        (ended("interrupted", 70, None, ""), "one: interrupted after 70 steps, at 0.500 of 2.000 s; contacts see"),
-        (ended("unproved", 3, Some(5), "why"), "one: stopped at step 4 of 5: why; contacts see"),
+        (ended("stopped", 3, Some(5), "step 4: no"), "one: stopped at step 4 of 5: no; no unseen overlap"),
+        (ended("interrupted", 70, Some(300), ""), "one: interrupted after 70 of 300 steps; no unseen overlap"),
+        (ended("interrupted", 70, None, ""), "one: interrupted after 70 steps, at 0.500 of 2.000 s; no unseen overlap"),
+        (ended("unproved", 3, Some(5), "why"), "one: stopped at step 4 of 5: why; no unseen overlap"),
         (ended("stopped", 0, Some(5), "why"), "one: stopped at step 1 of 5: why; no step was made"),
         (ended("finished", 0, Some(0), ""), "one: no step was made, so nothing is known of overlaps."),
     ] {

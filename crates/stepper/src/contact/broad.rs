@@ -1,8 +1,8 @@
 //! Boxes: which blocks are neighbours, and which features of two neighbours can be in a contact at all.
 
 use crate::contact::classify::ClassificationRequest;
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::prepared_block::PreparedBlock;
-use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
 use crate::real::Real;
 use crate::vector::Vector;

@@ -1,10 +1,10 @@
 //! The classification of a pair: rough phase, the four tests in their order, exits.
 
 use crate::contact::broad::{NearFeatures, neighbours, reach_of_kept};
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::nearby_features::{NearbyFeatures, Planes};
 use crate::contact::pair::{ExitCandidate, Pair};
 use crate::contact::prepared_block::PreparedBlock;
-use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::Observer;
 use crate::real::Real;
@@ -42,14 +42,14 @@ pub fn classify<R: Real, M: ContactRules>(
     b: &PreparedBlock<R>,
     t: &Tolerances<R>,
 ) -> Vec<ComputedContact<R>> {
-    classify_keeping::<R, M>(a, b, t, &[])
+    classify_with_kept::<R, M>(a, b, t, &[])
 }
 
 /// The contacts of two blocks in a step; `kept` as in [`ClassificationRequest`].
 ///
 /// # Panics
 /// When a kept contact names a feature that its block does not have.
-pub fn classify_keeping<R: Real, M: ContactRules>(
+pub fn classify_with_kept<R: Real, M: ContactRules>(
     a: &PreparedBlock<R>,
     b: &PreparedBlock<R>,
     t: &Tolerances<R>,

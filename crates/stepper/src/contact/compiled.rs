@@ -4,10 +4,10 @@
 //! [`CompiledContacts`] has no type parameter left. Other rules, those of tests, and other observers take the generic way.
 
 use crate::contact::classify::{ClassificationRequest, ComputedContact};
+use crate::contact::contact_rules::{ContactRules, SpecRules};
 use crate::contact::prepared_block::{Collapsed, CollapsedPart, PreparedBlock};
-use crate::contact::rules::{ContactRules, SpecRules};
 use crate::contact::trace::{Trace, Unobserved};
-use crate::deferred::Deferred;
+use crate::lazy_wide::LazyWide;
 use crate::real::Real;
 use crate::vector::Vector;
 use crate::wide::Wide;
@@ -76,4 +76,4 @@ macro_rules! compiled {
     )*};
 }
 
-compiled!(f32, f64, Wide, Deferred);
+compiled!(f32, f64, Wide, LazyWide);

@@ -1,10 +1,10 @@
 //! Test 4: crossing e-e, and the plane that two edges span.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::Candidate;
 use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::FaceOfEdge;
-use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;

@@ -1,7 +1,7 @@
 //! Entrances: the planes through which two blocks enter one another, and which of them a contact takes.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::pair::Pair;
-use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
@@ -51,7 +51,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         let own = self.solid(side);
         M::cone(own.edges_at(v)).iter().all(|&e| {
             let about = [Feature::Vertex(side, v), Feature::Face(side.other(), f), Feature::Edge(side, e)];
-            let spoke = own.spoke(v, e);
+            let spoke = own.edge_at_vertex(v, e);
             self.ask(Predicate::ConePasses, &about, M::cone_passes(spoke.away.dot(normal), spoke.length, self.t))
         })
     }
@@ -114,7 +114,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         let normal = self.solid(side.other()).face(f).normal;
         let own = self.solid(side);
         M::cone(own.edges_at(v)).iter().all(|&e| {
-            let spoke = own.spoke(v, e);
+            let spoke = own.edge_at_vertex(v, e);
             M::true_exit_of_cone(spoke.away.dot(normal), spoke.length, self.t)
         })
     }

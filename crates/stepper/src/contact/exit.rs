@@ -1,8 +1,8 @@
 //! Exits: which of several overlapping contacts stay (SPEC section 4, test 3 "shortest exit" and test 5 "one exit").
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::first_of_the_best;
 use crate::contact::pair::{ExitCandidate, Pair};
-use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use rockproof_model::decision::{Predicate, Side};

@@ -2,11 +2,11 @@
 
 use crate::contact::broad::{Bounds, reach_of_kept};
 use crate::contact::classify::ClassificationRequest;
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::{Candidate, KnownPlane, Plane};
 use crate::contact::nearby_features::{NearbyFeatures, NearbyPair, Planes};
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::{PreparedBlock, Vertex};
-use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::Unobserved;
 use crate::motion_interval::{MotionInterval, certainly, is_open, leave_open, possibly, the_other_way};

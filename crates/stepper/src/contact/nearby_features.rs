@@ -4,9 +4,9 @@
 //! finds the others: it makes the tests once in [`MotionInterval`], where every coordinate stands for all within a margin, and leaves out what is refused wherever
 //! the vertices are in it. As long as they are, only the others need be put through the tests, and give the same contacts bit for bit.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::KnownPlane;
 use crate::contact::pair::Pair;
-use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use rockproof_model::decision::Side;

@@ -1,8 +1,8 @@
 //! Two blocks under classification: what all four tests share.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::Candidate;
 use crate::contact::prepared_block::PreparedBlock;
-use crate::contact::rules::ContactRules;
 use crate::contact::tolerances::Tolerances;
 use crate::contact::trace::Observer;
 use crate::real::Real;

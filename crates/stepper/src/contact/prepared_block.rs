@@ -329,7 +329,7 @@ impl<R: Real> PreparedBlock<R> {
 
     /// An edge seen from one of its vertices.
     #[inline]
-    pub fn spoke(&self, vertex: VertexId, edge: EdgeId) -> EdgeAtVertex<R> {
+    pub fn edge_at_vertex(&self, vertex: VertexId, edge: EdgeId) -> EdgeAtVertex<R> {
         let ridge = self.edge(edge);
         let away = if ridge.edge.p == vertex { ridge.direction } else { -ridge.direction };
         EdgeAtVertex { away, length: ridge.length }

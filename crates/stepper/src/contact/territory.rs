@@ -1,8 +1,8 @@
 //! The zones around convex vertices and edges that belong to them (SPEC section 4, "Territory radius").
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::PreparedEdge;
-use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;

@@ -1,10 +1,10 @@
 //! Test 2: v-e, and e-v with the roles exchanged.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::Plane;
 use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::FaceOfEdge;
-use crate::contact::rules::ContactRules;
 use crate::contact::territory::distance_to_line;
 use crate::contact::trace::Observer;
 use crate::real::Real;
@@ -99,7 +99,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         let to_foot = ridge.direction * from_p.dot(ridge.direction) - from_p;
         M::region(own.edges_at(v)).iter().all(|&at| {
             let about = [Feature::Vertex(side, v), Feature::Edge(side.other(), e), Feature::Edge(side, at)];
-            self.ask(Predicate::FootRegion, &about, M::foot_region(to_foot.dot(own.spoke(v, at).away)))
+            self.ask(Predicate::FootRegion, &about, M::foot_region(to_foot.dot(own.edge_at_vertex(v, at).away)))
         })
     }
 }

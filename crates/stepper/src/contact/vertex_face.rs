@@ -1,10 +1,10 @@
 //! Test 3: v-f, and f-v with the roles exchanged.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::Candidate;
 use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
 use crate::contact::prepared_block::{FaceOfEdge, PreparedBlock};
-use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use crate::vector::Vector;
@@ -130,7 +130,7 @@ fn across<R: Real>(normal: Vector<R>) -> Vector<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::rules::SpecRules;
+    use crate::contact::contact_rules::SpecRules;
     use crate::wide::Wide;
     use rockproof_model::{Block, BlockOptions, Number, Vec3};
 

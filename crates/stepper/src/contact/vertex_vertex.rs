@@ -1,9 +1,9 @@
 //! Test 1: v-v.
 
+use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::Plane;
 use crate::contact::nearby_features::Planes;
 use crate::contact::pair::Pair;
-use crate::contact::rules::ContactRules;
 use crate::contact::trace::Observer;
 use crate::real::Real;
 use rockproof_model::decision::{Feature, Predicate, Side};
@@ -73,7 +73,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         let offset = own.vertex(v).at - other.vertex(w).at;
         M::region(other.edges_at(w)).iter().all(|&e| {
             let about = [Feature::Vertex(side, v), Feature::Vertex(side.other(), w), Feature::Edge(side.other(), e)];
-            self.ask(Predicate::VertexRegion, &about, M::vertex_region(offset.dot(other.spoke(w, e).away)))
+            self.ask(Predicate::VertexRegion, &about, M::vertex_region(offset.dot(other.edge_at_vertex(w, e).away)))
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::dynamics::displacement::{BlockVector, generalized};
 use crate::dynamics::island::packed;
-use crate::dynamics::system::{Lists, NOWHERE, Spring, System, springs};
+use crate::dynamics::system::{Lists, NO_PLACE, Spring, System, springs};
 use crate::real::Real;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 
@@ -10,8 +10,8 @@ impl<R: Real + Send + Sync> System<'_, R> {
     /// Of each panel that is to be filled the closed contacts that bear on it, ascending.
     pub(super) fn bearing(&self, marked: &[bool]) -> Lists {
         let panel = |place: u32| {
-            let panel = if place == NOWHERE { return NOWHERE } else { self.layout.pattern.panel(place as usize) };
-            if marked[panel] { panel as u32 } else { NOWHERE }
+            let panel = if place == NO_PLACE { return NO_PLACE } else { self.layout.pattern.panel(place as usize) };
+            if marked[panel] { panel as u32 } else { NO_PLACE }
         };
         Lists::of_both(marked.len(), &self.sides, panel)
     }
@@ -31,7 +31,7 @@ impl<R: Real + Send + Sync> System<'_, R> {
             let (at, stride) = pattern.part_of(panel, row, column)?;
             Some(PanelPart { at, stride, rows: pattern.unknowns(row).len(), columns: pattern.unknowns(column).len() })
         };
-        let [i, j] = sides.map(|place| (place != NOWHERE).then_some(place as usize));
+        let [i, j] = sides.map(|place| (place != NO_PLACE).then_some(place as usize));
         let own = [i, j].map(|place| place.and_then(|place| part(place, place)));
         // Rows belong to the later place.
         let between = i.zip(j).and_then(|(i, j)| part(i.max(j), i.min(j)));

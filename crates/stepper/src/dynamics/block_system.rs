@@ -1,10 +1,10 @@
 //! What each block brings into the system without contacts (SPEC section 5): inertia, damping, elasticity, weight, loads, fixed points.
 
 use crate::dynamics::displacement::{BlockVector, generalized};
-use crate::dynamics::engine::Dynamics;
 use crate::dynamics::island::{BlockSystem, packed};
-use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
+use crate::dynamics::step::Dynamics;
+use crate::dynamics::step_rules::StepRules;
 use crate::vector::Vector;
 use rayon::prelude::*;
 

@@ -4,11 +4,11 @@
 //! of [`CompiledSteps`], which have no type parameter left. Steps by other rules, those of tests, take the generic way.
 
 use crate::contact::SpecRules;
-use crate::dynamics::engine::Dynamics;
 use crate::dynamics::prescribed::PrescribedStep;
 use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::setup::SetupError;
 use crate::dynamics::state::State;
+use crate::dynamics::step::Dynamics;
 use crate::real::Real;
 use crate::wide::Wide;
 use rockproof_model::{Scene, ToleranceSet};

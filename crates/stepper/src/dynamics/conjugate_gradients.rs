@@ -8,24 +8,24 @@ use crate::dynamics::products::Products;
 use crate::dynamics::solve::Solve;
 
 /// The iteration ends when the residual, measured by the factor (rᵀ(LLᵀ)⁻¹r, a square), has come down to this share of the right side's.
-const ENOUGH: f64 = 1e-28;
+const RESIDUAL_SHARE: f64 = 1e-28;
 
 /// After so many products a factor of the present matrix is no good.
-const MOST: u32 = 40;
+const MAX_PRODUCTS: u32 = 40;
 
 /// A factor of an earlier matrix must do with so many, which take less than a new factor.
-const MOST_AGAIN: u32 = 8;
+const MAX_PRODUCTS_OF_OLD_FACTOR: u32 = 8;
 
 /// After so many products it can be told how many there will be.
 const TELLING: u32 = 2;
 
 /// Conjugate gradients for a system, preconditioned by a factor in f32.
-pub(super) struct Refining<'r, 'p, 's, R> {
+pub(super) struct CorrectedSystem<'r, 'p, 's, R> {
     pub(super) products: &'r Products<'p, 's, R>,
     pub(super) factor: &'r [f32],
 }
 
-impl<R: Solve> Refining<'_, '_, '_, R> {
+impl<R: Solve> CorrectedSystem<'_, '_, '_, R> {
     /// The solution, if the iteration ends. `before` is that of an earlier matrix, whose factor it then is: the iteration begins with it, and
     /// is given up when it will not end soon. It ends by the same measure, so it is as exact.
     pub(super) fn solve(&self, force: &[R], before: Option<&[R]>) -> Option<Vec<R>> {
@@ -44,8 +44,8 @@ impl<R: Solve> Refining<'_, '_, '_, R> {
                 Iterate { solution: before.to_vec(), residual, direction, left }
             }
         };
-        let most = if before.is_some() { MOST_AGAIN } else { MOST };
-        self.iterate(begin, measure * R::from_f64(ENOUGH), most, before.is_some())
+        let most = if before.is_some() { MAX_PRODUCTS_OF_OLD_FACTOR } else { MAX_PRODUCTS };
+        self.iterate(begin, measure * R::from_f64(RESIDUAL_SHARE), most, before.is_some())
     }
 
     fn precondition(&self, residual: &[R]) -> Option<Vec<R>> {

@@ -4,9 +4,9 @@ use crate::dynamics::displacement::{BlockVector, displacement, dot, generalized}
 use crate::dynamics::friction::{Friction, FrictionMisfit};
 use crate::dynamics::material::Joint;
 use crate::dynamics::plane::Plane;
-use crate::dynamics::rules::{StepRules, TangentialState};
 use crate::dynamics::setup::StepLimits;
 use crate::dynamics::state::{ContactState, Mode};
+use crate::dynamics::step_rules::{StepRules, TangentialState};
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::Contact;

@@ -3,10 +3,10 @@
 use crate::dynamics::attempt::{IterationResult, OpenCloseIteration};
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::displacement::{BlockVector, displacement};
-use crate::dynamics::engine::Dynamics;
 use crate::dynamics::report::{Retry, RetryReason, StepError};
-use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
+use crate::dynamics::step::Dynamics;
+use crate::dynamics::step_rules::StepRules;
 use rockproof_model::simulation::Unconverged;
 
 /// An attempt that was good, or the last one.

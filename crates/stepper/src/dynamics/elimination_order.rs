@@ -135,7 +135,7 @@ fn dissection(graph: Graph<'_>, at: &[[f64; 3]]) -> Vec<u32> {
     let mut order = Vec::with_capacity(count);
     let mut waiting = vec![(0..count as u32).collect::<Vec<u32>>()];
     while let Some(nodes) = waiting.pop() {
-        match (nodes.len() > Dissection::LEAST).then(|| cut.parts(&nodes)) {
+        match (nodes.len() > Dissection::MIN_NODES).then(|| cut.parts(&nodes)) {
             None => order.extend(nodes.into_iter().rev()),
             Some([one, other, between]) => {
                 order.extend(between.into_iter().rev());
@@ -157,7 +157,7 @@ struct Dissection<'c> {
 
 impl Dissection<'_> {
     /// Parts of so many nodes are not cut.
-    const LEAST: usize = 3;
+    const MIN_NODES: usize = 3;
 
     /// Two parts, and the nodes between them.
     fn parts(&mut self, nodes: &[u32]) -> [Vec<u32>; 3] {

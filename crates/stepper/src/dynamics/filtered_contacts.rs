@@ -1,10 +1,10 @@
-//! The contacts of a step in 512 bits, found in f64 wherever that settles a comparison ([`crate::deferred`]).
+//! The contacts of a step in 512 bits, found in f64 wherever that settles a comparison ([`crate::lazy_wide`]).
 
-use crate::contact::{PreparedBlock, Tolerances, classify_keeping};
-use crate::deferred::{Deferred, noted};
-use crate::dynamics::engine::Dynamics;
-use crate::dynamics::rules::StepRules;
+use crate::contact::{PreparedBlock, Tolerances, classify_with_kept};
+use crate::dynamics::step::Dynamics;
+use crate::dynamics::step_rules::StepRules;
 use crate::dynamics::transfer;
+use crate::lazy_wide::{LazyWide, noted};
 use crate::real::Real;
 use crate::vector::Vector;
 use crate::wide::{Wide, count_unsettled};
@@ -23,7 +23,7 @@ impl<M: StepRules> Dynamics<Wide, M> {
         }
         let fixed: Vec<bool> = (0..self.solids.len()).map(|block| self.is_fixed(block)).collect();
         let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).0.to_vec();
-        let (contacts, unsettled) = noted(|| count_unsettled(|| self.contacts_of::<Deferred>(&pairs, set)))?;
+        let (contacts, unsettled) = noted(|| count_unsettled(|| self.contacts_of::<LazyWide>(&pairs, set)))?;
         Some((contacts?, unsettled))
     }
 
@@ -45,7 +45,7 @@ impl<M: StepRules> Dynamics<Wide, M> {
             let [a, b] = pair.map(|block| &solids[block as usize]);
             let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
             let kept: Vec<ContactKey> = old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key).collect();
-            let found = classify_keeping::<R, M>(a, b, &tolerances, &kept);
+            let found = classify_with_kept::<R, M>(a, b, &tolerances, &kept);
             contacts.extend(found.into_iter().map(|found| (pair, found.contact)));
         }
         Some(contacts)

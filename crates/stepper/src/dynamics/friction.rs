@@ -1,6 +1,6 @@
 //! Friction within an open–close iteration (SPEC section 5): what acts across the normal of a sliding contact, and whether it has settled.
 
-use crate::dynamics::rules::StepRules;
+use crate::dynamics::step_rules::StepRules;
 use crate::real::Real;
 use crate::vector::Vector;
 

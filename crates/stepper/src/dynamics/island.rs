@@ -1,6 +1,6 @@
 //! Islands: blocks that closed contacts tie together. Each is a system of its own (SPEC section 5, `K d = F`).
 
-use crate::dynamics::conjugate_gradients::Refining;
+use crate::dynamics::conjugate_gradients::CorrectedSystem;
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::displacement::BlockVector;
 use crate::dynamics::layout::{Couplings, IslandLayout, Layouts};
@@ -266,7 +266,7 @@ impl<R: Solve> BySingle<'_, '_, '_, R> {
         // Where the factor was of no use it is not tried again before much less changes.
         let before = single.before.take();
         if let Some(before) = before.filter(|_| news < single.gave_up / 2) {
-            let refining = Refining { products, factor: values };
+            let refining = CorrectedSystem { products, factor: values };
             single.before = refining.solve(force, Some(&before));
             iteration_times.substitution += begun.elapsed();
             if single.before.is_some() {
@@ -285,7 +285,7 @@ impl<R: Solve> BySingle<'_, '_, '_, R> {
         single.stale.fill(false);
         iteration_times.factor += begun.elapsed();
         let begun = Instant::now();
-        let refining = Refining { products, factor: values };
+        let refining = CorrectedSystem { products, factor: values };
         single.before = factored.ok().and_then(|()| refining.solve(force, None));
         iteration_times.substitution += begun.elapsed();
         single.before.is_some()

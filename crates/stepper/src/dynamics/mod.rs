@@ -1,8 +1,8 @@
 //! SPEC section 5: a step of discontinuous deformation analysis, as read in `docs/step.md`.
 //!
 //! [`Dynamics`] holds a scene and its state. A step finds the contacts ([`crate::contact`]), lets each continue one of the step
-//! before (`transfer.rs`), and tries: `attempt.rs` is the open–close iteration at one Δt, `engine.rs` cuts Δt until an attempt is good, and
-//! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `rules.rs` every comparison. Of the system of equations
+//! before (`transfer.rs`), and tries: `attempt.rs` is the open–close iteration at one Δt, `step.rs` cuts Δt until an attempt is good, and
+//! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `step_rules.rs` every comparison. Of the system of equations
 //! `island.rs` finds what is solved together, `elimination_order.rs` an order of elimination, `pattern.rs` where values stand; `system.rs` which
 //! contact bears on which block, `assembly.rs` adds up the matrix, `factor.rs` makes its factor, `substitution.rs` solves by it, and `subtrees.rs` says how
 //! threads share either; `solve.rs` holds them, and what solves small systems.
@@ -17,7 +17,6 @@ mod contact;
 mod control;
 pub mod displacement;
 pub mod elimination_order;
-mod engine;
 mod factor;
 mod filtered_contacts;
 mod friction;
@@ -33,10 +32,11 @@ mod plane;
 mod prescribed;
 mod products;
 pub mod report;
-pub mod rules;
 mod setup;
 pub mod solve;
 pub mod state;
+mod step;
+pub mod step_rules;
 mod step_totals;
 mod substitution;
 mod subtrees;
@@ -45,13 +45,13 @@ mod transfer;
 mod unchanged;
 mod update;
 
-pub use engine::{Dynamics, PhaseTimes};
 pub use filtered_contacts::BlockContacts;
 pub use neighbour_list::skin;
 pub use prescribed::{PrescribedAttempt, PrescribedStep};
 pub use report::{IterationTimes, ModeChange, Retry, RetryReason, StepError, StepReport};
 pub use rockproof_model::simulation::Skips;
-pub use rules::{StepRules, TangentialState};
 pub use setup::{SetupError, StepLimits};
 pub use solve::Solve;
 pub use state::{BlockState, ContactState, Mode, State};
+pub use step::{Dynamics, PhaseTimes};
+pub use step_rules::{StepRules, TangentialState};

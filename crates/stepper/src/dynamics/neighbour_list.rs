@@ -17,7 +17,7 @@ const CALM_SHARE: u64 = 4;
 /// Distances are counted in this part of the margin, rounded up: sums of integers do not round.
 const UNITS: u64 = 1 << 20;
 /// The most units counted for a step.
-const MOST_UNITS: u64 = 1 << 40;
+const MAX_UNITS: u64 = 1 << 40;
 /// A margin that is used up: some units less than all, for the rounding of differences.
 const USED_UP: u64 = UNITS - UNITS / 64;
 
@@ -46,10 +46,10 @@ impl BlockTravel {
         let units = distance / margin * UNITS as f64;
         let units = if distance == 0.0 {
             0
-        } else if units < MOST_UNITS as f64 {
+        } else if units < MAX_UNITS as f64 {
             units.ceil() as u64
         } else {
-            MOST_UNITS
+            MAX_UNITS
         };
         self.0[block] = self.0[block].saturating_add(units);
     }

@@ -4,11 +4,11 @@ use crate::dynamics::attempt::OpenCloseIteration;
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::control::AcceptedAttempt;
 use crate::dynamics::displacement::displacement;
-use crate::dynamics::engine::Dynamics;
 use crate::dynamics::report::StepError;
-use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::Mode;
+use crate::dynamics::step::Dynamics;
+use crate::dynamics::step_rules::StepRules;
 use rockproof_model::Contact;
 
 /// What is prescribed.

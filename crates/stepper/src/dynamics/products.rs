@@ -5,7 +5,7 @@
 use crate::dynamics::contact::Resistance;
 use crate::dynamics::displacement::{BlockVector, add, displacement, generalized};
 use crate::dynamics::island::{PackedBlockMatrix, packed};
-use crate::dynamics::system::{CONTACTS_AT_ONCE, NOWHERE, Part, System};
+use crate::dynamics::system::{CONTACTS_AT_ONCE, NO_PLACE, Part, System};
 use crate::real::Real;
 use crate::vector::Vector;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
@@ -71,7 +71,7 @@ impl<R: Real + Send + Sync> WithSimd for Multiplying<'_, '_, '_, R> {
             let (contact, sides) = (&resisting[k as usize], system.sides[k as usize]);
             let mut d: [BlockVector<R>; 2] = [[R::ZERO; 12]; 2];
             for (d, place) in d.iter_mut().zip(sides) {
-                if place != NOWHERE {
+                if place != NO_PLACE {
                     let at = pattern.unknowns(place as usize);
                     d[..at.len()].copy_from_slice(&vector[at]);
                 }

@@ -2,10 +2,10 @@
 
 use crate::dynamics::attempt::IterationResult;
 use crate::dynamics::contact::StepContact;
-use crate::dynamics::engine::Dynamics;
 use crate::dynamics::report::{Retry, StepReport};
-use crate::dynamics::rules::StepRules;
 use crate::dynamics::solve::Solve;
+use crate::dynamics::step::Dynamics;
+use crate::dynamics::step_rules::StepRules;
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// What the step just accepted has left: counts, overlaps, energies.

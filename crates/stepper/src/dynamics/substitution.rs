@@ -28,8 +28,8 @@ fn substitute_by<R: Real + Send + Sync>(worth: u64, pattern: &Pattern, values: &
     let mut below = vec![R::ZERO; pattern.rows_below()];
     let substitution = Substitution { pattern, values, subtrees };
     let all = substitution.subtrees.all();
-    substitution.forth(all.clone(), Numbers { own: solution, below: &mut below });
-    substitution.back(all, Numbers { own: solution, below: &mut below });
+    substitution.forward(all.clone(), Numbers { own: solution, below: &mut below });
+    substitution.backward(all, Numbers { own: solution, below: &mut below });
 }
 
 /// What is to be done, the same for all threads.
@@ -61,7 +61,7 @@ impl<R: Real + Send + Sync> Substitution<'_, R> {
     }
 
     /// Forth through panels that are complete subtrees, to which the numbers belong.
-    fn forth(&self, all: Range<usize>, mut numbers: Numbers<'_, R>) {
+    fn forward(&self, all: Range<usize>, mut numbers: Numbers<'_, R>) {
         let (first, mut left) = (all.start, all);
         // Panels on which all before them bear, from the last.
         let mut later = Vec::new();
@@ -79,7 +79,7 @@ impl<R: Real + Send + Sync> Substitution<'_, R> {
                 Division::Halves(cut) => {
                     let [_, numbers] = self.split(numbers.reborrow(), first, left.start);
                     let [one, other] = self.split(numbers, left.start, cut);
-                    rayon::join(|| self.forth(left.start..cut, one), || self.forth(cut..left.end, other));
+                    rayon::join(|| self.forward(left.start..cut, one), || self.forward(cut..left.end, other));
                     break;
                 }
             }
@@ -93,7 +93,7 @@ impl<R: Real + Send + Sync> Substitution<'_, R> {
     }
 
     /// Back through panels that are complete subtrees, to which the numbers belong. Their rows below have the solution of all later panels.
-    fn back(&self, all: Range<usize>, mut numbers: Numbers<'_, R>) {
+    fn backward(&self, all: Range<usize>, mut numbers: Numbers<'_, R>) {
         let (first, mut left) = (all.start, all);
         loop {
             match self.subtrees.divide(left.clone()) {
@@ -109,7 +109,7 @@ impl<R: Real + Send + Sync> Substitution<'_, R> {
                 Division::Halves(cut) => {
                     let [_, numbers] = self.split(numbers, first, left.start);
                     let [one, other] = self.split(numbers, left.start, cut);
-                    rayon::join(|| self.back(left.start..cut, one), || self.back(cut..left.end, other));
+                    rayon::join(|| self.backward(left.start..cut, one), || self.backward(cut..left.end, other));
                     return;
                 }
             }

@@ -25,14 +25,14 @@ pub(super) struct System<'s, R> {
     closed: &'s [usize],
     /// The block of each place.
     pub(super) blocks: Vec<u32>,
-    /// The places of blocks i and j of each closed contact; [`NOWHERE`] where a block is fixed.
+    /// The places of blocks i and j of each closed contact; [`NO_PLACE`] where a block is fixed.
     pub(super) sides: Vec<[u32; 2]>,
     /// The closed contacts at each part of the places, ascending.
     at_part: Lists,
 }
 
 /// The place of a block that has none.
-pub(super) const NOWHERE: u32 = u32::MAX;
+pub(super) const NO_PLACE: u32 = u32::MAX;
 
 /// Of islands that reach over so many times more blocks than they have, blocks are searched for.
 const SPARSE: usize = 16;
@@ -51,16 +51,16 @@ pub(super) struct Lists {
 }
 
 impl Lists {
-    /// Of pairs, by number: each stands in the lists of both of its members, once if that is the same list, and in none if it is [`NOWHERE`].
+    /// Of pairs, by number: each stands in the lists of both of its members, once if that is the same list, and in none if it is [`NO_PLACE`].
     #[inline(always)]
     pub(super) fn of_both(count: usize, pairs: &[[u32; 2]], list: impl Fn(u32) -> u32) -> Lists {
         let mut begins = vec![0u32; count + 1];
         for pair in pairs {
             let [one, other] = pair.map(&list);
-            if one != NOWHERE {
+            if one != NO_PLACE {
                 begins[one as usize + 1] += 1;
             }
-            if other != NOWHERE && other != one {
+            if other != NO_PLACE && other != one {
                 begins[other as usize + 1] += 1;
             }
         }
@@ -75,10 +75,10 @@ impl Lists {
         };
         for (number, pair) in (0..).zip(pairs) {
             let [one, other] = pair.map(&list);
-            if one != NOWHERE {
+            if one != NO_PLACE {
                 put(one, number);
             }
-            if other != NOWHERE && other != one {
+            if other != NO_PLACE && other != one {
                 put(other, number);
             }
         }
@@ -120,7 +120,7 @@ impl<'s, R: Real + Send + Sync> System<'s, R> {
         let (first, last) = (island.first().map_or(0, |&b| b as usize), island.last().map_or(0, |&b| b as usize));
         // Many islands that reach far must not take a table of all blocks each.
         let spread = if last - first < SPARSE * island.len() { last + 1 - first } else { 0 };
-        let mut places = vec![NOWHERE; spread];
+        let mut places = vec![NO_PLACE; spread];
         let mut blocks = vec![0; island.len()];
         for (&block, &place) in island.iter().zip(&layout.places) {
             blocks[place as usize] = block;
@@ -130,13 +130,13 @@ impl<'s, R: Real + Send + Sync> System<'s, R> {
         }
         let place = |block: usize| {
             if places.is_empty() {
-                return island.binary_search(&(block as u32)).map_or(NOWHERE, |found| layout.places[found]);
+                return island.binary_search(&(block as u32)).map_or(NO_PLACE, |found| layout.places[found]);
             }
-            block.checked_sub(first).and_then(|block| places.get(block)).copied().unwrap_or(NOWHERE)
+            block.checked_sub(first).and_then(|block| places.get(block)).copied().unwrap_or(NO_PLACE)
         };
         let sides = |&k: &usize| contacts[k].entering().map(place);
         let sides: Vec<[u32; 2]> = closed.par_iter().with_min_len(CONTACTS_AT_ONCE).map(sides).collect();
-        let part = |place: u32| if place == NOWHERE { NOWHERE } else { place / PART as u32 };
+        let part = |place: u32| if place == NO_PLACE { NO_PLACE } else { place / PART as u32 };
         let at_part = Lists::of_both(blocks.len().div_ceil(PART), &sides, part);
         System { layout, block_systems, contacts, closed, blocks, sides, at_part }
     }

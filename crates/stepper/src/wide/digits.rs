@@ -1,15 +1,15 @@
 //! Arithmetic on the digits of long numbers: 64 bits each, the lowest first, as many as there are.
 //!
-//! Schoolbook methods, since no number has more than [`MOST`] digits, and most have one or two.
+//! Schoolbook methods, since no number has more than [`MAX_DIGITS`] digits, and most have one or two.
 
 use std::cmp::Ordering;
 
 /// Bits of a digit.
 pub(super) const DIGIT: u32 = u64::BITS;
 /// Digits that a number has at most.
-pub(super) const MOST: usize = 8;
-/// Room for what is cut to [`MOST`] digits afterwards: a product, a quotient's dividend, or a sum of numbers that hardly overlap, with its carry.
-pub(super) type Long = [u64; 2 * MOST + 2];
+pub(super) const MAX_DIGITS: usize = 8;
+/// Room for what is cut to [`MAX_DIGITS`] digits afterwards: a product, a quotient's dividend, or a sum of numbers that hardly overlap, with its carry.
+pub(super) type Long = [u64; 2 * MAX_DIGITS + 2];
 
 /// `one + other + carry`, and the carry.
 fn add_digits(one: u64, other: u64, carry: bool) -> (u64, bool) {
@@ -78,7 +78,7 @@ fn subtract_product(number: &mut [u64], other: &[u64], factor: u64) -> u64 {
 
 /// The product, in the lowest digits of what is returned: as many as both have.
 pub(super) fn product(one: &[u64], other: &[u64]) -> Long {
-    let mut product: Long = [0; 2 * MOST + 2];
+    let mut product: Long = [0; 2 * MAX_DIGITS + 2];
     for (place, &factor) in one.iter().enumerate() {
         let mut carry = 0;
         let (low, high) = product[place..].split_at_mut(other.len());
@@ -138,8 +138,8 @@ impl Fraction<'_> {
 
 /// The quotient of two fractions cut to `count` digits, and whether anything was cut off (D. E. Knuth, The Art of Computer Programming 2, 4.3.1,
 /// algorithm D). The divisor has its highest bit set, and is above the dividend shifted down by `shift` bits.
-pub(super) fn quotient(dividend: Fraction<'_>, shift: u32, divisor: &[u64], count: usize) -> ([u64; MOST], bool) {
-    let (length, mut rest, mut quotient): (_, Long, _) = (divisor.len(), [0; 2 * MOST + 2], [0; MOST]);
+pub(super) fn quotient(dividend: Fraction<'_>, shift: u32, divisor: &[u64], count: usize) -> ([u64; MAX_DIGITS], bool) {
+    let (length, mut rest, mut quotient): (_, Long, _) = (divisor.len(), [0; 2 * MAX_DIGITS + 2], [0; MAX_DIGITS]);
     let mut cut = dividend.write(&mut rest, length + count, shift);
     let (highest, second) = (divisor[length - 1], if length > 1 { divisor[length - 2] } else { 0 });
     for place in (0..count).rev() {
@@ -173,8 +173,8 @@ pub(super) fn quotient(dividend: Fraction<'_>, shift: u32, divisor: &[u64], coun
 
 /// The square root of a fraction shifted down by `shift` bits, which is a quarter at least, cut to `count` digits, and whether anything was cut off
 /// (P. Zimmermann, Karatsuba Square Root, INRIA report 3805, 1999; one digit at a time).
-pub(super) fn root(square: Fraction<'_>, shift: u32, count: usize) -> ([u64; MOST], bool) {
-    let (mut rest, mut root): (Long, _) = ([0; 2 * MOST + 2], [0; MOST]);
+pub(super) fn root(square: Fraction<'_>, shift: u32, count: usize) -> ([u64; MAX_DIGITS], bool) {
+    let (mut rest, mut root): (Long, _) = ([0; 2 * MAX_DIGITS + 2], [0; MAX_DIGITS]);
     let mut cut = square.write(&mut rest, 2 * count, shift);
     let top = u128::from(rest[2 * count - 1]) << DIGIT | u128::from(rest[2 * count - 2]);
     let first = top.isqrt();
@@ -190,7 +190,7 @@ pub(super) fn root(square: Fraction<'_>, shift: u32, count: usize) -> ([u64; MOS
         let half = [carry << (DIGIT - 1) | upper >> 1, upper << (DIGIT - 1) | lower >> 1];
         let mut digit = divide_digits(half[0], half[1], root[count - 1]);
         let twice = {
-            let mut twice: Long = [0; 2 * MOST + 2];
+            let mut twice: Long = [0; 2 * MAX_DIGITS + 2];
             let mut carried = 0;
             for (double, &digit) in twice[1..].iter_mut().zip(&root[place + 1..count]) {
                 *double = digit << 1 | carried;

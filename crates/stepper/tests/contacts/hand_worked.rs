@@ -9,20 +9,26 @@ use crate::pairs::{
 };
 use rockproof_model::{Block, ContactKey, FaceId, ToleranceSet, VertexId};
 use rockproof_stepper::contact::{ContactRules, SpecRules};
-use rockproof_stepper::engine::contacts_keeping;
+use rockproof_stepper::engine::contacts_with_kept;
 use rockproof_stepper::{PreparedBlock, Wide};
 
 /// In each scalar the contacts are these, where nothing is kept.
 pub(crate) fn check(name: &str, a: &Block, b: &Block, t: &ToleranceSet, expected: &[&str]) {
-    check_keeping(name, [a, b], t, &[], expected);
+    check_with_kept(name, [a, b], t, &[], expected);
 }
 
 /// In each scalar the contacts are these in a step that keeps some.
-pub(crate) fn check_keeping(name: &str, [a, b]: [&Block; 2], t: &ToleranceSet, kept: &[ContactKey], expected: &[&str]) {
+pub(crate) fn check_with_kept(
+    name: &str,
+    [a, b]: [&Block; 2],
+    t: &ToleranceSet,
+    kept: &[ContactKey],
+    expected: &[&str],
+) {
     let found = [
-        ("f32", contacts_keeping::<f32, SpecRules>(a, b, t, kept).unwrap()),
-        ("f64", contacts_keeping::<f64, SpecRules>(a, b, t, kept).unwrap()),
-        ("wide", contacts_keeping::<Wide, SpecRules>(a, b, t, kept).unwrap()),
+        ("f32", contacts_with_kept::<f32, SpecRules>(a, b, t, kept).unwrap()),
+        ("f64", contacts_with_kept::<f64, SpecRules>(a, b, t, kept).unwrap()),
+        ("wide", contacts_with_kept::<Wide, SpecRules>(a, b, t, kept).unwrap()),
     ];
     for (precision, contacts) in found {
         assert_eq!(contacts.iter().map(show).collect::<Vec<_>>(), expected, "{name} in {precision}");

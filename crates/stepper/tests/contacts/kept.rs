@@ -1,7 +1,7 @@
 //! Kept contacts: depth alone does not end them, and everything else does. Dyadic, as in `hand_worked`.
 
 use crate::golden_contacts;
-use crate::hand_worked::{base, check, check_keeping};
+use crate::hand_worked::{base, check, check_with_kept};
 use crate::pairs::{cone, cuboid, keel, n, ridge, spike, tolerances};
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, ContactKey, ContactKind, ToleranceSet};
@@ -18,18 +18,18 @@ fn a_kept_contact_may_be_deeper_than_g() {
     let t = tolerances();
     let deep = spike([1.0, 1.0, 0.9296875], 0.25, 0.5);
     let found = ["v-f 0 1 v-f 0 1 -1"];
-    check_keeping("v-f", [&deep, &base()], &t, &[key(VertexFace, 0, 1)], &found);
-    check_keeping("f-v", [&base(), &deep], &t, &[key(FaceVertex, 1, 0)], &["f-v 1 0 f-v 1 0 -1"]);
+    check_with_kept("v-f", [&deep, &base()], &t, &[key(VertexFace, 0, 1)], &found);
+    check_with_kept("f-v", [&base(), &deep], &t, &[key(FaceVertex, 1, 0)], &["f-v 1 0 f-v 1 0 -1"]);
     let several = [key(EdgeEdge, 0, 1), key(VertexFace, 0, 1), key(VertexVertex, 3, 6)];
-    check_keeping("one of several", [&deep, &base()], &t, &several, &found);
+    check_with_kept("one of several", [&deep, &base()], &t, &several, &found);
     let others = [key(FaceVertex, 0, 1), key(VertexFace, 0, 0), key(VertexFace, 1, 1)];
-    check_keeping("others are kept", [&deep, &base()], &t, &others, &[]);
+    check_with_kept("others are kept", [&deep, &base()], &t, &others, &[]);
     let crossing = keel(0.921875, 0.5);
     check("e-e, nothing kept", &crossing, &ridge(1.0), &t, &[]);
-    check_keeping("e-e", [&crossing, &ridge(1.0)], &t, &[key(EdgeEdge, 0, 0)], &["e-e 0 0 e-e 0 0 -1"]);
+    check_with_kept("e-e", [&crossing, &ridge(1.0)], &t, &[key(EdgeEdge, 0, 0)], &["e-e 0 0 e-e 0 0 -1"]);
     let at_g = spike([1.0, 1.0, 0.9375], 0.25, 0.5);
-    check_keeping("g deep, a tie: kept or not", [&at_g, &base()], &t, &[], &found);
-    check_keeping("g deep, a tie: kept or not", [&at_g, &base()], &t, &[key(VertexFace, 0, 1)], &found);
+    check_with_kept("g deep, a tie: kept or not", [&at_g, &base()], &t, &[], &found);
+    check_with_kept("g deep, a tie: kept or not", [&at_g, &base()], &t, &[key(VertexFace, 0, 1)], &found);
 }
 
 #[test]
@@ -39,12 +39,12 @@ fn a_kept_contact_may_have_a_deep_entrance() {
     let t = ToleranceSet { penetration: n(0.00390625), ..tolerances() };
     let corner = cuboid([1.9921875, 1.9921875, 0.9921875], [3.0; 3]);
     check("v-v, nothing kept", &corner, &base(), &t, &[]);
-    check_keeping("v-v", [&corner, &base()], &t, &[key(VertexVertex, 0, 6)], &["v-v 0 6 v-f 0 1 -1"]);
-    check_keeping("v-v, others", [&corner, &base()], &t, &[key(VertexEdge, 0, 6), key(VertexVertex, 6, 0)], &[]);
+    check_with_kept("v-v", [&corner, &base()], &t, &[key(VertexVertex, 0, 6)], &["v-v 0 6 v-f 0 1 -1"]);
+    check_with_kept("v-v, others", [&corner, &base()], &t, &[key(VertexEdge, 0, 6), key(VertexVertex, 6, 0)], &[]);
     let over_edge = spike([1.0, 1.9921875, 0.9921875], 0.25, 0.5);
     check("v-e, nothing kept", &over_edge, &base(), &t, &[]);
-    check_keeping("v-e", [&over_edge, &base()], &t, &[key(VertexEdge, 0, 11)], &["v-e 0 11 v-f 0 1 -1"]);
-    check_keeping("e-v", [&base(), &over_edge], &t, &[key(EdgeVertex, 11, 0)], &["e-v 11 0 f-v 1 0 -1"]);
+    check_with_kept("v-e", [&over_edge, &base()], &t, &[key(VertexEdge, 0, 11)], &["v-e 0 11 v-f 0 1 -1"]);
+    check_with_kept("e-v", [&base(), &over_edge], &t, &[key(EdgeVertex, 11, 0)], &["e-v 11 0 f-v 1 0 -1"]);
 }
 
 #[test]
@@ -55,12 +55,12 @@ fn no_box_hides_a_kept_contact() {
     let slab = cuboid([0.0; 3], [2.0, 2.0, 0.03125]);
     let through = spike([1.0, 1.0, -0.203125], 0.25, 0.5);
     check("v-f, nothing kept", &through, &slab, &t, &[]);
-    check_keeping("v-f", [&through, &slab], &t, &[key(VertexFace, 0, 1)], &["v-f 0 1 v-f 0 1 -1"]);
-    check_keeping("f-v", [&slab, &through], &t, &[key(FaceVertex, 1, 0)], &["f-v 1 0 f-v 1 0 -1"]);
+    check_with_kept("v-f", [&through, &slab], &t, &[key(VertexFace, 0, 1)], &["v-f 0 1 v-f 0 1 -1"]);
+    check_with_kept("f-v", [&slab, &through], &t, &[key(FaceVertex, 1, 0)], &["f-v 1 0 f-v 1 0 -1"]);
     // The edges have crossed and are 1/4 apart.
     let crossed = keel(0.75, 0.5);
     check("e-e, nothing kept", &crossed, &ridge(1.0), &t, &[]);
-    check_keeping("e-e", [&crossed, &ridge(1.0)], &t, &[key(EdgeEdge, 0, 0)], &["e-e 0 0 e-e 0 0 -1"]);
+    check_with_kept("e-e", [&crossed, &ridge(1.0)], &t, &[key(EdgeEdge, 0, 0)], &["e-e 0 0 e-e 0 0 -1"]);
 }
 
 #[test]
@@ -69,16 +69,16 @@ fn all_other_conditions_count() {
     let t = tolerances();
     let kept = [key(VertexFace, 0, 1)];
     let beyond = spike([2.0, 1.0, 0.8125], 0.25, 0.5);
-    check_keeping("on the rim", [&beyond, &base()], &t, &kept, &[]);
+    check_with_kept("on the rim", [&beyond, &base()], &t, &kept, &[]);
     let apart = spike([1.0, 1.0, 1.1328125], 0.25, 0.5);
-    check_keeping("more than s", [&apart, &base()], &t, &kept, &[]);
+    check_with_kept("more than s", [&apart, &base()], &t, &kept, &[]);
     let far = spike([9.0, 1.0, 0.875], 0.25, 0.5);
-    check_keeping("not neighbours", [&far, &base()], &t, &kept, &[]);
+    check_with_kept("not neighbours", [&far, &base()], &t, &kept, &[]);
     let fallen = cone([1.0, 1.0, 0.875], [[0.5, 0.0, 0.5], [-0.25, 0.5, 0.5], [-0.25, -0.5, -0.25]]);
-    check_keeping("its cone does not pass", [&fallen, &base()], &t, &kept, &[]);
+    check_with_kept("its cone does not pass", [&fallen, &base()], &t, &kept, &[]);
     // 1/64 behind the side and 5/64 below the top, both true exits: the side is the one exit.
     let leaning = cone([1.984375, 1.0, 0.921875], [[0.5, 0.0, 0.125], [0.125, 0.25, 0.5], [0.125, -0.25, 0.5]]);
-    check_keeping("another exit", [&leaning, &base()], &t, &kept, &["v-f 0 3 v-f 0 3 -1"]);
+    check_with_kept("another exit", [&leaning, &base()], &t, &kept, &["v-f 0 3 v-f 0 3 -1"]);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::pairs::{
 };
 use rockproof_model::{Block, Contact, ContactKey, ContactKind, ToleranceSet};
 use rockproof_stepper::contact::SpecRules;
-use rockproof_stepper::engine::{ExpectedContact, contacts_keeping};
+use rockproof_stepper::engine::{ExpectedContact, contacts_with_kept};
 use rockproof_stepper::{Classifier, Stepper, Wide};
 use std::collections::BTreeSet;
 
@@ -229,8 +229,9 @@ fn every_mistake_about_kept_contacts_changes_an_answer() {
     let t = tolerances();
     for (name, engine) in mistakes::in_steps() {
         let notices = steps().iter().any(|(a, b, kept)| {
-            engine.keeping::<f64>(a, b, &t, kept) != contacts_keeping::<f64, SpecRules>(a, b, &t, kept)
-                && engine.keeping::<Wide>(a, b, &t, kept) != contacts_keeping::<Wide, SpecRules>(a, b, &t, kept)
+            engine.contacts_with_kept::<f64>(a, b, &t, kept) != contacts_with_kept::<f64, SpecRules>(a, b, &t, kept)
+                && engine.contacts_with_kept::<Wide>(a, b, &t, kept)
+                    != contacts_with_kept::<Wide, SpecRules>(a, b, &t, kept)
         });
         assert!(notices, "no pair notices: {name}");
     }

@@ -31,7 +31,8 @@ fn measures<R: Real>() {
     // m_L + m_R = N × d: twice the areas 2·3 and 2·4 times the length 2.
     assert_eq!(list(solid.lean(EdgeId(0))), [0.0, 24.0, 32.0]);
     assert_eq!(solid.vertex(VertexId(6)).shortest.to_f64(), 2.0);
-    let away: Vec<_> = solid.edges_at(VertexId(6)).iter().map(|&e| list(solid.spoke(VertexId(6), e).away)).collect();
+    let away: Vec<_> =
+        solid.edges_at(VertexId(6)).iter().map(|&e| list(solid.edge_at_vertex(VertexId(6), e).away)).collect();
     assert_eq!(away, [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]]);
     assert_eq!((list(solid.bounds().low), list(solid.bounds().high)), ([1.0, 2.0, 3.0], [3.0, 5.0, 7.0]));
 }

@@ -10,7 +10,7 @@ mod mistaken_rules;
 use Mistake::*;
 use mistaken_rules::MistakenRules;
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
-use rockproof_stepper::engine::{ExpectedContact, contacts_keeping, settled_contacts, settled_departures};
+use rockproof_stepper::engine::{ExpectedContact, contacts_with_kept, settled_contacts, settled_departures};
 use rockproof_stepper::{Classifier, EngineError, Real, Stepper};
 use std::cell::Cell;
 
@@ -151,14 +151,14 @@ impl Mistaken {
     }
 
     /// The contacts in the scalar `R` in a step that keeps these.
-    pub(crate) fn keeping<R: Real>(
+    pub(crate) fn contacts_with_kept<R: Real>(
         self,
         a: &Block,
         b: &Block,
         t: &ToleranceSet,
         kept: &[ContactKey],
     ) -> Result<Vec<Contact>, EngineError> {
-        self.planted(|_| contacts_keeping::<R, MistakenRules>(a, b, t, kept))
+        self.planted(|_| contacts_with_kept::<R, MistakenRules>(a, b, t, kept))
     }
 }
 

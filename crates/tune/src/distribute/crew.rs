@@ -1,23 +1,23 @@
 //! All ranks of a search, as rank 0 sees them, which measures candidates too.
 
 use super::lookahead::Lookahead;
-use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, SentResult, unasked};
+use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, unexpected_message};
 use crate::TuneError;
 use crate::evaluator::{Evaluator, UnauditedEvaluator};
 use crate::given_overlaps::{GivenOverlap, Share};
 use crate::search::Search;
 use rayon::ThreadPool;
 use rockproof_campaign::distribute::ranks::{self, Introduction, Order, Report, encoded, taken};
-use rockproof_campaign::distribute::{DistributeError, Patience, Transport};
+use rockproof_campaign::distribute::{Backoff, DistributeError, Transport};
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, TryRecvError};
 
 /// When a search has tried enough.
-pub struct Enough<'e> {
+pub struct StopCriterion<'e> {
     /// Whether so many candidates are.
     pub reached: &'e dyn Fn(usize) -> bool,
-    /// Candidates that are enough whatever [`Enough::reached`] says; no more than these are looked at.
+    /// Candidates that are enough whatever [`StopCriterion::reached`] says; no more than these are looked at.
     pub most: Option<usize>,
 }
 
@@ -60,7 +60,7 @@ impl<'t, T: Transport> Crew<'t, T> {
         }
         let mut found: Vec<Option<Vec<GivenOverlap>>> = vec![None; of];
         found[0] = Some(self.pool.install(|| evaluator.overlaps(Share { number: 0, of })));
-        let mut patience = Patience::default();
+        let mut patience = Backoff::default();
         while found.contains(&None) {
             if stop.load(Ordering::SeqCst) {
                 return Ok(None);
@@ -76,7 +76,7 @@ impl<'t, T: Transport> Crew<'t, T> {
                     *place = Some(overlaps.collect::<Result<_, _>>()?);
                 }
                 (Report::Stopped, _) => stop.store(true, Ordering::SeqCst),
-                _ => return Err(unasked(rank).into()),
+                _ => return Err(unexpected_message(rank).into()),
             }
         }
         let found: Vec<GivenOverlap> = found.into_iter().flatten().flatten().collect();
@@ -86,14 +86,14 @@ impl<'t, T: Transport> Crew<'t, T> {
         Ok(Some(evaluator.with(found)))
     }
 
-    /// Tries candidates until there are enough or `stop` is set, and commits each. The workers are not dismissed ([`ranks::dismiss`]).
+    /// Tries candidates until there are enough or `stop` is set, and commits each. The workers are not dismissed ([`ranks::end_workers`]).
     ///
     /// # Errors
     /// When a candidate cannot be measured or committed, or a worker fails.
     pub fn search<E: From<TuneError>>(
         &mut self,
         search: &mut Search<'_>,
-        enough: &Enough<'_>,
+        enough: &StopCriterion<'_>,
         stop: &AtomicBool,
         commit: &mut dyn FnMut(&Search<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
@@ -110,7 +110,7 @@ impl<'t, T: Transport> Crew<'t, T> {
                 }
             });
             // The job that each rank has.
-            let (mut in_work, mut patience) = (vec![None; count], Patience::default());
+            let (mut in_work, mut patience) = (vec![None; count], Backoff::default());
             loop {
                 let mut idle = true;
                 while let Some((rank, message)) = self.transport.receive() {
@@ -144,7 +144,7 @@ impl<'t, T: Transport> Crew<'t, T> {
                     *own = Some(job.number);
                     match rank {
                         0 => {
-                            let set = search.set_of(job.set).ok_or_else(|| TuneError::from(unasked(0)))?;
+                            let set = search.set_of(job.set).ok_or_else(|| TuneError::from(unexpected_message(0)))?;
                             let _ = to_thread.send((job.number, job.work, set));
                         }
                         _ => {
@@ -168,11 +168,11 @@ impl<'t, T: Transport> Crew<'t, T> {
 /// What a worker tells while candidates are tried: what came of its job, or `None` where it was told to stop.
 fn hear(rank: usize, message: &[u8], in_work: &mut [Option<u64>]) -> Result<Option<(u64, JobResult)>, TuneError> {
     match (taken(rank, message)?.0, in_work.get_mut(rank)) {
-        (Report::Job(SearchReport::Done { number, done }), Some(place)) if rank > 0 && *place == Some(number) => {
+        (Report::Job(SearchReport::Done { number, result }), Some(place)) if rank > 0 && *place == Some(number) => {
             *place = None;
-            Ok(Some((number, SentResult::read(done, rank)?)))
+            Ok(Some((number, *result)))
         }
         (Report::Stopped, _) => Ok(None),
-        _ => Err(unasked(rank).into()),
+        _ => Err(unexpected_message(rank).into()),
     }
 }

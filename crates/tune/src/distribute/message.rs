@@ -2,12 +2,10 @@
 
 use crate::evaluator::{Evaluator, Measurement};
 use crate::given_overlaps::{GivenOverlap, Share};
-use crate::probes::Differences;
 use crate::search::SetRecipe;
-use crate::steps::{LockstepMeasures, StepMeasures};
+use crate::steps::LockstepMeasures;
 use rockproof_campaign::distribute::DistributeError;
 use rockproof_model::ToleranceSet;
-use rockproof_model::rules::{Rule, RuleSlack};
 use serde::{Deserialize, Serialize};
 
 /// What is to be done with a set.
@@ -43,11 +41,11 @@ pub(super) enum SearchReport {
     /// The answer to [`SearchOrder::Audit`].
     Audited(Vec<SentOverlap>),
     /// The answer to [`SearchOrder::Job`].
-    Done { number: u64, done: SentResult },
+    Done { number: u64, result: Box<JobResult> },
 }
 
 /// What came of a job; why there is nothing, otherwise.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum JobResult {
     Measured(Result<Measurement, String>),
     Lockstep(Result<LockstepMeasures, String>),
@@ -89,69 +87,12 @@ impl SentOverlap {
     }
 }
 
-/// A [`JobResult`], rules by their numbers.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) enum SentResult {
-    Measured(Result<SentMeasurement, String>),
-    Lockstep(Result<LockstepMeasures, String>),
-}
-
-/// A [`Measurement`] without a lockstep.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct SentMeasurement {
-    violated: Vec<usize>,
-    tightest: (usize, f64),
-    lost_pairs: u64,
-    differences: Differences,
-    steps_measured: StepMeasures,
-}
-
-impl SentResult {
-    pub(super) fn of(result: JobResult) -> SentResult {
-        let sent = |m: Measurement| SentMeasurement {
-            violated: m.violated.iter().map(|rule| *rule as usize).collect(),
-            tightest: (m.tightest.rule as usize, m.tightest.factor),
-            lost_pairs: m.lost_pairs,
-            differences: m.differences,
-            steps_measured: m.steps_measured,
-        };
-        match result {
-            JobResult::Measured(measured) => SentResult::Measured(measured.map(sent)),
-            JobResult::Lockstep(lockstep) => SentResult::Lockstep(lockstep),
-        }
-    }
-
-    /// The result, as a rank told it.
-    pub(super) fn read(self, rank: usize) -> Result<JobResult, DistributeError> {
-        let rule = |number: &usize| {
-            let rule = Rule::ALL.get(*number).copied();
-            rule.ok_or_else(|| unreadable(rank, "a rule that there is not"))
-        };
-        let measured = |m: SentMeasurement| {
-            let (number, factor) = m.tightest;
-            Ok(Measurement {
-                violated: m.violated.iter().map(rule).collect::<Result<_, _>>()?,
-                tightest: RuleSlack { rule: rule(&number)?, factor },
-                lost_pairs: m.lost_pairs,
-                differences: m.differences,
-                steps_measured: m.steps_measured,
-                lockstep: None,
-            })
-        };
-        Ok(match self {
-            SentResult::Measured(Ok(sent)) => JobResult::Measured(Ok(measured(sent)?)),
-            SentResult::Measured(Err(why)) => JobResult::Measured(Err(why)),
-            SentResult::Lockstep(lockstep) => JobResult::Lockstep(lockstep),
-        })
-    }
-}
-
 pub(super) fn unreadable(rank: usize, what: &str) -> DistributeError {
     DistributeError::Message { rank, what: what.to_owned() }
 }
 
 /// A message that nobody asked for.
-pub(super) fn unasked(rank: usize) -> DistributeError {
+pub(super) fn unexpected_message(rank: usize) -> DistributeError {
     unreadable(rank, "nobody asked for it")
 }
 
@@ -159,7 +100,10 @@ pub(super) fn unasked(rank: usize) -> DistributeError {
 mod tests {
     use super::*;
     use crate::candidate::SetParameters;
+    use crate::probes::Differences;
+    use crate::steps::StepMeasures;
     use rockproof_campaign::distribute::ranks::{encoded, taken};
+    use rockproof_model::tolerance_rules::{Rule, RuleSlack};
 
     #[test]
     fn a_result_comes_as_it_went_and_a_rule_that_there_is_not_is_refused() {
@@ -172,13 +116,12 @@ mod tests {
             lockstep: None,
         };
         let result = JobResult::Measured(Ok(measurement));
-        let bytes = encoded(&SentResult::of(result.clone())).expect("a message");
-        let (sent, rest): (SentResult, &[u8]) = taken(3, &bytes).expect("a result");
-        assert!(rest.is_empty() && sent.read(3).expect("a result") == result);
-        let SentResult::Measured(Ok(mut sent)) = SentResult::of(result) else { panic!("a measurement") };
-        sent.tightest.0 = Rule::ALL.len();
-        let error = SentResult::Measured(Ok(sent)).read(3).expect_err("no rule").to_string();
-        assert!(error.starts_with("rank 3 sent a message that cannot be read: a rule that there is not"), "{error}");
+        let mut bytes = encoded(&result).expect("a message");
+        assert!(matches!(taken::<JobResult>(3, &bytes), Ok((sent, [])) if sent == result));
+        // Behind the variant, `Ok` and the two rules violated.
+        assert_eq!(std::mem::replace(&mut bytes[5], Rule::ALL.len() as u8), Rule::ALL[1] as u8);
+        let error = taken::<JobResult>(3, &bytes).expect_err("no rule").to_string();
+        assert!(error.starts_with("rank 3 sent a message that cannot be read"), "{error}");
     }
 
     #[test]

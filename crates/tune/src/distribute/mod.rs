@@ -9,5 +9,5 @@ mod lookahead;
 mod message;
 mod worker;
 
-pub use crew::{Crew, Enough};
+pub use crew::{Crew, StopCriterion};
 pub use worker::{SearchTask, serve};

@@ -1,11 +1,11 @@
 //! A worker: measures the candidates that rank 0 asks for.
 
-use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, SentResult, unasked, unreadable};
+use super::message::{JobResult, SearchOrder, SearchReport, SentOverlap, unexpected_message, unreadable};
 use crate::TuneError;
 use crate::evaluator::UnauditedEvaluator;
 use crate::search::Search;
 use rayon::ThreadPool;
-use rockproof_campaign::distribute::ranks::{Introduction, Report, encoded, introduce, obey};
+use rockproof_campaign::distribute::ranks::{Introduction, Report, encoded, follow_orders, introduce};
 use rockproof_campaign::distribute::{Transport, WorkerPanic};
 use rockproof_model::ToleranceSpec;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -48,7 +48,7 @@ pub fn serve<T: Transport>(
                 }
             });
         }
-        obey(transport, &done, stop, |order| drop(to_thread.send(order)))
+        follow_orders(transport, &done, stop, |order| drop(to_thread.send(order)))
     })
 }
 
@@ -69,7 +69,7 @@ impl SearchTask<'_> {
                     tell(SearchReport::Audited(found.iter().map(SentOverlap::of).collect()));
                 }
                 Ok(SearchOrder::Overlaps(all)) => break all,
-                Ok(_) => return Err(unasked(0).into()),
+                Ok(_) => return Err(unexpected_message(0).into()),
                 Err(_) => return Ok(()),
             }
         };
@@ -78,10 +78,10 @@ impl SearchTask<'_> {
         let evaluator = evaluator.with(overlaps);
         let search = Search::new(&evaluator, author, seed)?;
         for order in orders {
-            let SearchOrder::Job(job) = order else { return Err(unasked(0).into()) };
+            let SearchOrder::Job(job) = order else { return Err(unexpected_message(0).into()) };
             let set = search.set_of(job.set).ok_or_else(|| unreadable(0, "a set that there is not"))?;
-            let done = SentResult::of(pool.install(|| JobResult::of(&evaluator, job.work, &set)));
-            tell(SearchReport::Done { number: job.number, done });
+            let result = Box::new(pool.install(|| JobResult::of(&evaluator, job.work, &set)));
+            tell(SearchReport::Done { number: job.number, result });
         }
         Ok(())
     }

@@ -36,7 +36,7 @@ pub struct GainedStep {
 }
 
 /// The energy of a run, from step to step. Loads that do not change with time count as gravity does.
-pub struct Account {
+pub struct EnergyLedger {
     first: f64,
     energy: f64,
     springs: f64,
@@ -46,9 +46,9 @@ pub struct Account {
     steps: [u64; 2],
 }
 
-impl Account {
+impl EnergyLedger {
     /// Begins with a scene that has made no step.
-    pub fn open<M: StepRules>(stepped: &SteppedScene<f64, M>) -> Account {
+    pub fn open<M: StepRules>(stepped: &SteppedScene<f64, M>) -> EnergyLedger {
         let moving = (0..stepped.scene.blocks.len()).filter(|&block| !stepped.scene.blocks[block].body.is_fixed());
         let (mut kinetic, mut gravitational) = (0.0, 0.0);
         for block in moving {
@@ -58,7 +58,7 @@ impl Account {
         }
         gravitational += loads(stepped);
         let first = kinetic + gravitational;
-        Account {
+        EnergyLedger {
             first,
             energy: first,
             springs: 0.0,

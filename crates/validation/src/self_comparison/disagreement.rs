@@ -7,7 +7,7 @@ use rockproof_differential::case_file::{Case, CaseDescription, ContactRow, conta
 use rockproof_differential::compare::{AnswerChange, Features, differences};
 use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_model::Contact;
-use rockproof_model::text::{SHOWN, csv_cell, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, csv_cell, excerpt};
 use rockproof_results::bounded;
 use serde::{Deserialize, Serialize};
 
@@ -72,7 +72,7 @@ impl Disagreement {
             path: deviation.path.name().to_owned(),
             change: change.clone(),
             kind: kind.clone(),
-            note: deviation.note.as_deref().map_or(String::new(), |note| csv_cell(&excerpt(note, SHOWN))),
+            note: deviation.note.as_deref().map_or(String::new(), |note| csv_cell(&excerpt(note, EXCERPT_LENGTH))),
             case: String::new(),
         };
         let about = CaseDescription {
@@ -142,5 +142,5 @@ fn note(path: PathName, more: Option<&str>) -> String {
         PathName::Plain => "found by the plain path; expected is the fast path's answer",
         PathName::Gmp => "found by the plain path in GMP; expected is the fast path's answer",
     };
-    more.map_or(who.to_owned(), |more| format!("{who}: {}", excerpt(more, SHOWN)))
+    more.map_or(who.to_owned(), |more| format!("{who}: {}", excerpt(more, EXCERPT_LENGTH)))
 }

@@ -110,7 +110,7 @@ const LEVELS: &str = "levels.csv";
 /// The files of every comparison.
 const FILES: [&str; 4] = [STATE, TABLE, TOTALS, LEVELS];
 /// Disagreements that get a case file, the first of a directory: where a path is wrong everywhere, more would say no more.
-pub const MOST_CASES: u64 = 100;
+pub const MAX_CASES: u64 = 100;
 
 /// Why a comparison cannot be started, taken up or written.
 #[derive(Debug, thiserror::Error)]
@@ -231,7 +231,7 @@ impl ComparisonRecord {
     }
 
     fn tell(&mut self, disagreement: Disagreement) -> Result<(), RecordError> {
-        let has_room = self.progress.cases < MOST_CASES;
+        let has_room = self.progress.cases < MAX_CASES;
         let file = has_room.then(|| disagreement.case_file()).flatten();
         let name = file.map_or(String::new(), |(name, text)| {
             let name = format!("cases/{name}");

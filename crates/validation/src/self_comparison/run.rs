@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 /// What has been looked at, for whoever shows progress. It counts ahead of what is on disk.
 #[derive(Debug, Default)]
-pub struct Seen {
+pub struct ProgressCounts {
     /// Pairs of the share, those of earlier sessions among them.
     pub pairs: AtomicU64,
     /// Disagreements, likewise.
@@ -43,7 +43,12 @@ impl Comparison<'_> {
     ///
     /// # Errors
     /// When a file cannot be written. What was committed before stays, and can be gone on from.
-    pub fn run(&self, record: &mut ComparisonRecord, stop: &AtomicBool, seen: &Seen) -> Result<Ending, RecordError> {
+    pub fn run(
+        &self,
+        record: &mut ComparisonRecord,
+        stop: &AtomicBool,
+        seen: &ProgressCounts,
+    ) -> Result<Ending, RecordError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
         let plan = record.plan();
         let share = plan.share();
@@ -78,7 +83,7 @@ impl Comparison<'_> {
         Ok(if next < end { Ending::Stopped } else { Ending::Finished })
     }
 
-    fn batch(&self, plan: &ComparisonPlan, number: u64, seen: &Seen) -> BatchResult {
+    fn batch(&self, plan: &ComparisonPlan, number: u64, seen: &ProgressCounts) -> BatchResult {
         // By rounds of all families, so that each of them has its share.
         let round = number / self.config.families.len() as u64;
         let joins = |every: u64| every > 0 && round.is_multiple_of(every);

@@ -101,7 +101,7 @@ fn compare(margin: f64, found_for: f64) -> Seen {
             let kept =
                 [kept, vec![deep, ContactKey::VertexFace(vertex, face), ContactKey::FaceVertex(face, vertex)]].concat();
             for kept in [&[], &kept[..]] {
-                let expected = pair.classify_keeping(&tolerances, kept).contacts;
+                let expected = pair.classify_with_kept(&tolerances, kept).contacts;
                 let found = pair.classify_nearby(&tolerances, &nearby, kept).contacts;
                 seen.wrong += usize::from(found != expected);
                 seen.kept += expected.len() - all.len().min(expected.len());

@@ -9,7 +9,7 @@ use rockproof_model::block::face_normal;
 use std::cell::OnceCell;
 
 /// How many of the best directions are tried exactly.
-pub(super) const TRIED: usize = 4;
+pub(super) const TRIED_DIRECTIONS: usize = 4;
 
 /// A direction and how it was found to do.
 pub(super) struct Candidate<'e> {
@@ -84,7 +84,9 @@ impl PartsAtEnds<'_> {
         for source in self.sources() {
             let n = source.near(near);
             let length = dot(n, n).sqrt();
-            let is_worse = |best: &[(f64, Source)], gap: f64| best.len() == TRIED && gap <= best[TRIED - 1].0;
+            let is_worse = |best: &[(f64, Source)], gap: f64| {
+                best.len() == TRIED_DIRECTIONS && gap <= best[TRIED_DIRECTIONS - 1].0
+            };
             // The gap at one end bounds the lesser of both.
             let first = gaps(n, 0, near);
             if first.iter().all(|gap| is_worse(&best, gap / length)) {
@@ -98,7 +100,7 @@ impl PartsAtEnds<'_> {
                 }
                 let place = best.partition_point(|(other, _)| *other >= gap);
                 best.insert(place, (gap, Source { is_reversed, ..source }));
-                best.truncate(TRIED);
+                best.truncate(TRIED_DIRECTIONS);
             }
         }
         let candidate = |(gap, source)| Candidate { ends: self, source, exact: OnceCell::new(), gap };

@@ -1,6 +1,6 @@
 //! What a certificate is made of, piece by piece: a piece that claims too much would certify a passage away.
 
-use super::directions::{Source, TRIED};
+use super::directions::{Source, TRIED_DIRECTIONS};
 use super::*;
 use crate::soundness::Dice;
 use rockproof_model::{BlockOptions, Number};
@@ -101,7 +101,7 @@ fn directions_come_with_their_gaps_the_largest_first() {
         let ends = Ends::new(places);
         let both = PartsAtEnds { parts: [&part, &part], ends: &ends };
         let found = both.best_directions([0, 1].map(|side| NearPart::new(both.parts[side], side, &ends)).each_ref());
-        assert_eq!(found.len(), TRIED);
+        assert_eq!(found.len(), TRIED_DIRECTIONS);
         let exact_gap = |n: &LatticePoint| float(&both.gap(n)) / float(&n.norm_squared()).sqrt();
         for candidate in &found {
             let gap = exact_gap(candidate.n());

@@ -3,7 +3,7 @@
 use super::System;
 use crate::field::Field;
 use crate::solve::fraction_free_solve;
-use crate::step::attempt_state::unmade;
+use crate::step::attempt_state::empty_cells;
 use crate::step::contact::ContactGeometry;
 use num_rational::BigRational;
 use rockproof_model::Vec3;
@@ -34,7 +34,7 @@ impl System<'_, '_, BigRational> {
         if !self.chain.is_definite {
             return None;
         }
-        let alone: Vec<OnceCell<Option<Vec<BigRational>>>> = unmade(self.base.len());
+        let alone: Vec<OnceCell<Option<Vec<BigRational>>>> = empty_cells(self.base.len());
         let moved = |block: usize| match self.places[block] {
             // Fixed: no unknowns.
             None => Some(&[][..]),

@@ -1,6 +1,6 @@
 use super::*;
-use crate::lockstep::intrusion::{Intruded, Intrusion};
-use crate::lockstep::intrusion_case::{IntrusionCase, MOST_BLOCKS, NoCase, intrusion_case};
+use crate::lockstep::intrusion::{Intrusion, PairIntrusion};
+use crate::lockstep::intrusion_case::{IntrusionCase, MAX_BLOCKS, NoCase, intrusion_case};
 use rockproof_model::{Block, Number, SceneBlock, Vec3};
 
 fn number(value: f64) -> Number {
@@ -62,7 +62,7 @@ fn case(scene: &Scene, set: &ToleranceSet) -> Result<IntrusionCase, NoCase> {
     let exactly = ExactScene::new(scene, set);
     let states = [&before, dynamics.state()].map(|state| exact_state(state).expect("finite"));
     let all = Intrusions::among(&[0, 1], &exactly, states.each_ref(), &Number::ZERO);
-    let passage: &Intruded = all.between(Intrusion::Passage, [0, 1]).expect("a passage");
+    let passage: &PairIntrusion = all.between(Intrusion::Passage, [0, 1]).expect("a passage");
     let found = FoundIntrusion { kind: passage.kind, blocks: [0, 1], depth_m: passage.depth.expect("a depth") };
     intrusion_case(scene, set, Precision::F64, &before, found)
 }
@@ -71,14 +71,14 @@ fn case(scene: &Scene, set: &ToleranceSet) -> Result<IntrusionCase, NoCase> {
 fn a_case_has_what_drives_a_block_two_contacts_away_and_nothing_else() {
     let (scene, set) = driven(1, 0);
     let made = case(&scene, &set).expect("a case");
-    assert!(scene.blocks.len() > MOST_BLOCKS && made.blocks == 4 && !made.causes.is_empty(), "{made:?}");
+    assert!(scene.blocks.len() > MAX_BLOCKS && made.blocks == 4 && !made.causes.is_empty(), "{made:?}");
 }
 
 #[test]
 fn of_many_blocks_at_one_distance_few_are_kept() {
     let (scene, set) = driven(1, 80);
     let made = case(&scene, &set).expect("a case");
-    assert!((4..=MOST_BLOCKS).contains(&made.blocks) && !made.causes.is_empty(), "{made:?}");
+    assert!((4..=MAX_BLOCKS).contains(&made.blocks) && !made.causes.is_empty(), "{made:?}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::number::Number;
 use crate::number_text::shown;
 use crate::scene::error::SceneProblem;
 use crate::scene::tokens::{Located, Token, Tokens, as_text, out_of, unexpected, whole};
-use crate::text::{SHOWN, excerpt};
+use crate::text::{EXCERPT_LENGTH, excerpt};
 use crate::vector::Vec3;
 
 /// A file, read from front to back.
@@ -314,7 +314,8 @@ impl<'a> Bytes<'a> {
             self.at += blanks + 1;
         }
         let text = std::str::from_utf8(word).map_err(|_| {
-            let found = format!("\"{}\" at byte {begin} of the file", excerpt(&String::from_utf8_lossy(word), SHOWN));
+            let found =
+                format!("\"{}\" at byte {begin} of the file", excerpt(&String::from_utf8_lossy(word), EXCERPT_LENGTH));
             (None, SceneProblem::Unexpected { found, expected: what.to_owned() })
         })?;
         // Lines mean nothing between numbers.

@@ -102,23 +102,23 @@ impl Lines {
         let mut attached = Attachments { sets: Vec::new(), loads: Vec::new(), fixed: Vec::new(), measured: Vec::new() };
         for (value, table) in self.tables(document, "set")? {
             let keys: Vec<&str> = ["blocks"].into_iter().chain(KEYS).collect();
-            self.only(table, "[[set]]", &keys)?;
+            self.allow_only(table, "[[set]]", &keys)?;
             let blocks = self.meant(self.required(value, table, "[[set]]", "blocks")?)?;
             attached.sets.push((blocks, self.patch(table, "[[set]]", simulation)?));
         }
         for (value, table) in self.tables(document, "load")? {
-            self.only(table, "[[load]]", &["block", "at", "force", "table"])?;
+            self.allow_only(table, "[[load]]", &["block", "at", "force", "table"])?;
             attached.loads.push((self.spot(value, table, "[[load]]")?, self.load_table(value, table)?));
         }
         for (value, table) in self.tables(document, "fixed_point")? {
             let place = "[[fixed_point]]";
-            self.only(table, place, &["block", "at", "stiffness"])?;
+            self.allow_only(table, place, &["block", "at", "stiffness"])?;
             let stiffness = self.optional(table, "stiffness", place, Allowed::Positive)?;
             attached.fixed.push((self.spot(value, table, place)?, stiffness));
         }
         for (number, (value, table)) in self.tables(document, "measured_point")?.into_iter().enumerate() {
             let place = "[[measured_point]]";
-            self.only(table, place, &["name", "block", "at"])?;
+            self.allow_only(table, place, &["name", "block", "at"])?;
             let given = table.get("name").map(|name| self.name(name, "`name` of [[measured_point]]")).transpose()?;
             let name = given.unwrap_or_else(|| format!("point_{number}"));
             if attached.measured.iter().any(|(_, earlier)| *earlier == name) {

@@ -77,7 +77,7 @@ impl Lines {
         (Some(self.of(&value.span())), problem)
     }
 
-    pub(super) fn only(&self, table: &DeTable<'_>, place: &str, known: &[&str]) -> Result<(), Located> {
+    pub(super) fn allow_only(&self, table: &DeTable<'_>, place: &str, known: &[&str]) -> Result<(), Located> {
         match table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
             None => Ok(()),
             Some(key) => {
@@ -252,9 +252,9 @@ impl Lines {
 
 /// Names in a message, the first of them if they are many.
 pub(super) fn listed(names: &[String]) -> String {
-    const MOST: usize = 12;
-    let mut text: Vec<String> = names.iter().take(MOST).map(|name| format!("\"{}\"", shown(name))).collect();
-    if let Some(more) = names.len().checked_sub(MOST).filter(|more| *more > 0) {
+    const MAX_NAMES: usize = 12;
+    let mut text: Vec<String> = names.iter().take(MAX_NAMES).map(|name| format!("\"{}\"", shown(name))).collect();
+    if let Some(more) = names.len().checked_sub(MAX_NAMES).filter(|more| *more > 0) {
         text.push(format!("{more} more"));
     }
     text.join(", ")

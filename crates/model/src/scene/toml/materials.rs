@@ -43,7 +43,7 @@ impl Lines {
         let mut names = None;
         if let Some(value) = document.get("simulation") {
             let table = self.table(value, "`simulation`")?;
-            self.only(table, "[simulation]", &CONTROL)?;
+            self.allow_only(table, "[simulation]", &CONTROL)?;
             if let Some(value) = table.get("gravity") {
                 simulation.gravity = self.vector(value, "`gravity`", "component")?;
             }
@@ -100,7 +100,7 @@ impl Lines {
 
     fn material(&self, value: &Value<'_>, table: &DeTable<'_>, earlier: &[Material]) -> Result<Material, Located> {
         let place = "[[material]]";
-        self.only(table, place, &MATERIAL)?;
+        self.allow_only(table, place, &MATERIAL)?;
         let name_value = self.required(value, table, place, "name")?;
         let name = self.name(name_value, "`name` of [[material]]")?;
         if earlier.iter().any(|material| material.name == name) {
@@ -142,7 +142,7 @@ impl Lines {
         let mut joints = Joints { names: names.unwrap_or_default(), ..Joints::default() };
         let mut other = None;
         for (value, table) in self.tables(document, "joint")? {
-            self.only(table, place, &JOINT)?;
+            self.allow_only(table, place, &JOINT)?;
             let properties = self.joint_properties(table)?;
             let Some(between) = table.get("between") else {
                 if other.replace(properties).is_some() {

@@ -66,7 +66,7 @@ pub(super) fn read(text: &str) -> Result<Document, Located> {
     let lines = Lines::new(text);
     let document = parse(text, &lines)?;
     let table = document.get_ref();
-    lines.only(table, "the scene", &SCENE)?;
+    lines.allow_only(table, "the scene", &SCENE)?;
     let tolerances = match table.get("tolerances") {
         Some(value) => Some(lines.tolerances(lines.table(value, "`tolerances`")?)?),
         None => None,
@@ -126,7 +126,7 @@ impl Lines {
         let line = self.of(&value.span());
         let shape = ["vertices", "faces", "file", "box"];
         let keys = ["name", "planarity"].into_iter().chain(body::KEYS).chain(shape);
-        self.only(table, "[[block]]", &keys.collect::<Vec<_>>())?;
+        self.allow_only(table, "[[block]]", &keys.collect::<Vec<_>>())?;
         let name = table.get("name").map(|value| self.name(value, "`name`")).transpose()?;
         let planarity = table.get("planarity").map(|value| self.planarity(value)).transpose()?;
         let patch = self.patch(table, "[[block]]", simulation)?;
@@ -148,7 +148,7 @@ impl Lines {
 
     fn corners(&self, value: &Value<'_>) -> Result<ShapeSource, Located> {
         let table = self.table(value, "`box`")?;
-        self.only(table, "`box`", &["min", "max"])?;
+        self.allow_only(table, "`box`", &["min", "max"])?;
         let corner = |key: &str| match table.get(key) {
             Some(corner) => self.vector(corner, &format!("`{key}`"), "coordinate"),
             None => Err(self.unexpected(value, "`box` with `min` and `max`")),

@@ -222,7 +222,7 @@ impl Walk<'_> {
 }
 
 fn not_xml(line: usize, message: &str) -> Located {
-    let found = format!("what is no XML ({})", crate::text::excerpt(message, crate::text::SHOWN));
+    let found = format!("what is no XML ({})", crate::text::excerpt(message, crate::text::EXCERPT_LENGTH));
     (Some(line), SceneProblem::Unexpected { found, expected: "a VTK file in XML".to_owned() })
 }
 

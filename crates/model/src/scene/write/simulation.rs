@@ -6,7 +6,7 @@ use crate::simulation::{Body, JointProperties, Joints, Simulation, Skips};
 use crate::vector::Vec3;
 
 /// `[simulation]`, `[[material]]` and `[[joint]]`, whole.
-pub(super) fn world(out: &mut String, simulation: &Simulation) {
+pub(super) fn write_simulation(out: &mut String, simulation: &Simulation) {
     let control = &simulation.control;
     out.push_str("[simulation]\n");
     push(out, format_args!("gravity = {}\n", vector(&simulation.gravity)));

@@ -1,7 +1,7 @@
 //! Curves, bars, heat maps.
 
 use super::LINE;
-use super::drawing::{Anchor, Drawing, Stroke, Words, between, coordinate, light};
+use super::drawing::{Anchor, Drawing, Label, Stroke, between, coordinate, light_color};
 use super::frame::Frame;
 use crate::chart::{BarSeries, Chart, ChartColor, ChartContent, Curve, HeatMap, LineStyle, PointLook};
 use std::io;
@@ -11,7 +11,7 @@ const SMALL: f64 = 3.0;
 const LARGE: f64 = 4.5;
 
 fn color(color: ChartColor) -> &'static str {
-    light(&color.name())
+    light_color(&color.name())
 }
 
 /// The names of a legend: none where there is one curve without a name.
@@ -75,7 +75,7 @@ pub(super) fn curves(
 ) -> io::Result<()> {
     if let Some(y) = limit.and_then(|limit| frame.y.place(limit)) {
         let [left, right] = frame.x.pixels;
-        drawing.line(&[[left, y], [right, y]], &Stroke { color: light("good"), width: 1.5, dashes: "6 4" })?;
+        drawing.line(&[[left, y], [right, y]], &Stroke { color: light_color("good"), width: 1.5, dashes: "6 4" })?;
     }
     for curve in curves {
         if let Some(style) = curve.line {
@@ -123,12 +123,12 @@ pub(super) fn key(drawing: &mut Drawing<'_>, frame: &Frame<'_>, content: &ChartC
     let ringed = curves.iter().flat_map(|curve| &curve.points).filter(|p| matches!(p.look, PointLook::Ringed(_)));
     for (number, point) in ringed.enumerate() {
         if let Some([x, y]) = frame.place(point.x, point.y) {
-            drawing.words(&Words::new(&(number + 1).to_string(), [x + 8.0, y - 7.0], Anchor::Start))?;
+            drawing.words(&Label::new(&(number + 1).to_string(), [x + 8.0, y - 7.0], Anchor::Start))?;
         }
     }
     for (row, words) in key_of(content).iter().enumerate() {
         let at = [frame.x.pixels[0], frame.key_top + LINE * (row as f64 + 0.5)];
-        drawing.words(&Words::new(words, at, Anchor::Start))?;
+        drawing.words(&Label::new(words, at, Anchor::Start))?;
     }
     Ok(())
 }
@@ -140,7 +140,7 @@ fn mark(drawing: &mut Drawing<'_>, curve: &Curve, marker: usize, look: &PointLoo
     let (fill, edge, width) = match look {
         PointLook::Plain => (of, of, 0.5),
         PointLook::Open => ("#ffffff", of, 1.2),
-        PointLook::Ringed(_) => (of, light("text"), 2.0),
+        PointLook::Ringed(_) => (of, light_color("text"), 2.0),
     };
     let corners = |offsets: &[[f64; 2]]| -> String {
         let places = offsets.iter().map(|[dx, dy]| format!("{} {}", coordinate(x + r * dx), coordinate(y + r * dy)));
@@ -214,7 +214,7 @@ pub(super) fn heat_map(drawing: &mut Drawing<'_>, frame: &Frame<'_>, map: &HeatM
             let (Some(share), Some([x, y])) = (share, frame.place(column as f64, row as f64)) else { continue };
             let cell = [x - width / 2.0 + 0.5, y - height / 2.0 + 0.5, width - 1.0, height - 1.0];
             drawing.rectangle(cell, &between((share - from) / (to - from)))?;
-            drawing.words(&Words::new(&format!("{share:.1}"), [x, y], Anchor::Middle))?;
+            drawing.words(&Label::new(&format!("{share:.1}"), [x, y], Anchor::Middle))?;
         }
     }
     Ok(())

@@ -9,7 +9,7 @@ use std::io;
 const STYLE: &str = include_str!("../../page/style.css");
 
 /// A colour of the page's light theme: the first of that name in its style sheet.
-pub(super) fn light(name: &str) -> &'static str {
+pub(super) fn light_color(name: &str) -> &'static str {
     let found = STYLE.split_once(&format!("--{name}: ")).and_then(|(_, rest)| rest.split_once(';'));
     found.map_or("#000000", |(color, _)| color)
 }
@@ -17,7 +17,7 @@ pub(super) fn light(name: &str) -> &'static str {
 /// A colour between three of a scale, at a share from 0 to 1, as `#rrggbb`.
 pub(super) fn between(share: f64) -> String {
     let channels = |name: &str| {
-        let color = light(name);
+        let color = light_color(name);
         [1, 3, 5].map(|at| color.get(at..at + 2).and_then(|two| u8::from_str_radix(two, 16).ok()).unwrap_or(0))
     };
     let share = share.clamp(0.0, 1.0) * 2.0;
@@ -52,8 +52,8 @@ pub(super) enum Anchor {
     End,
 }
 
-/// A text.
-pub(super) struct Words<'t> {
+/// A text in a chart.
+pub(super) struct Label<'t> {
     pub(super) text: &'t str,
     /// The middle of its height at its anchor.
     pub(super) at: [f64; 2],
@@ -64,9 +64,9 @@ pub(super) struct Words<'t> {
     pub(super) size: f64,
 }
 
-impl<'t> Words<'t> {
-    pub(super) fn new(text: &'t str, at: [f64; 2], anchor: Anchor) -> Words<'t> {
-        Words { text, at, anchor, turned: 0.0, color: light("text"), size: FONT }
+impl<'t> Label<'t> {
+    pub(super) fn new(text: &'t str, at: [f64; 2], anchor: Anchor) -> Label<'t> {
+        Label { text, at, anchor, turned: 0.0, color: light_color("text"), size: FONT }
     }
 }
 
@@ -114,7 +114,7 @@ impl Drawing<'_> {
     }
 
     /// A text.
-    pub(super) fn words(&mut self, words: &Words<'_>) -> io::Result<()> {
+    pub(super) fn words(&mut self, words: &Label<'_>) -> io::Result<()> {
         let anchor = match words.anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -128,7 +128,7 @@ impl Drawing<'_> {
         if words.turned != 0.0 {
             attributes.push(("transform", &*turned));
         }
-        if words.color != light("text") {
+        if words.color != light_color("text") {
             attributes.push(("fill", words.color));
         }
         if words.size != FONT {
@@ -142,11 +142,14 @@ impl Drawing<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{between, coordinate, light, printable};
+    use super::{between, coordinate, light_color, printable};
 
     #[test]
     fn colours_are_those_of_the_light_theme() {
-        assert_eq!([light("series0"), light("text"), light("scale2")], ["#1f6fb4", "#1b2126", "#bfe3cd"]);
+        assert_eq!(
+            [light_color("series0"), light_color("text"), light_color("scale2")],
+            ["#1f6fb4", "#1b2126", "#bfe3cd"]
+        );
         assert_eq!([between(-1.0), between(0.5), between(1.0)], ["#f7d7cf", "#fbf3dc", "#bfe3cd"]);
         assert_eq!(between(0.75), "#ddebd5");
     }

@@ -1,6 +1,6 @@
 //! The legend, the axes and their names, and what is left for the content.
 
-use super::drawing::{Anchor, Drawing, Stroke, Words, light};
+use super::drawing::{Anchor, Drawing, Label, Stroke, light_color};
 use super::{FONT, LINE, WIDTH, content};
 use crate::chart::scale::PlacedAxis;
 use crate::chart::text_size::width as text_width;
@@ -104,7 +104,7 @@ impl<'c> Frame<'c> {
     pub(super) fn draw(&self, drawing: &mut Drawing<'_>, chart: &Chart) -> io::Result<()> {
         let [left, right] = self.x.pixels;
         let [bottom, top] = self.y.pixels;
-        let grid = Stroke { color: light("line"), width: 0.75, dashes: "" };
+        let grid = Stroke { color: light_color("line"), width: 0.75, dashes: "" };
         let map = matches!(chart.content, ChartContent::Map(_));
         for label in &self.x_labels {
             let Some(at) = self.x.place(label.value) else { continue };
@@ -113,9 +113,9 @@ impl<'c> Frame<'c> {
             }
             let text = label.lines.join(" ");
             let words = match (self.x_turned, self.x_above) {
-                (true, true) => Words { turned: TURNED, ..Words::new(&text, [at, top - 8.0], Anchor::Start) },
-                (true, false) => Words { turned: TURNED, ..Words::new(&text, [at, bottom + 8.0], Anchor::End) },
-                (false, _) => Words::new(&text, [at, bottom + 12.0], Anchor::Middle),
+                (true, true) => Label { turned: TURNED, ..Label::new(&text, [at, top - 8.0], Anchor::Start) },
+                (true, false) => Label { turned: TURNED, ..Label::new(&text, [at, bottom + 8.0], Anchor::End) },
+                (false, _) => Label::new(&text, [at, bottom + 12.0], Anchor::Middle),
             };
             drawing.words(&words)?;
         }
@@ -126,25 +126,25 @@ impl<'c> Frame<'c> {
             }
             let first = at - LINE * (label.lines.len() as f64 - 1.0) / 2.0;
             for (number, line) in label.lines.iter().enumerate() {
-                drawing.words(&Words::new(line, [left - 6.0, first + LINE * number as f64], Anchor::End))?;
+                drawing.words(&Label::new(line, [left - 6.0, first + LINE * number as f64], Anchor::End))?;
             }
         }
         if !map {
-            let border = Stroke { color: light("muted"), width: 1.0, dashes: "" };
+            let border = Stroke { color: light_color("muted"), width: 1.0, dashes: "" };
             drawing.line(&[[left, top], [left, bottom], [right, bottom]], &border)?;
         }
         if !chart.x.title.is_empty() {
             let at = [(left + right) / 2.0, self.key_top - LINE / 2.0 - 2.0];
-            drawing.words(&Words::new(&chart.x.title, at, Anchor::Middle))?;
+            drawing.words(&Label::new(&chart.x.title, at, Anchor::Middle))?;
         }
         if !chart.y.title.is_empty() {
             let at = [PAD + LINE / 2.0, (top + bottom) / 2.0];
-            drawing.words(&Words { turned: -90.0, ..Words::new(&chart.y.title, at, Anchor::Middle) })?;
+            drawing.words(&Label { turned: -90.0, ..Label::new(&chart.y.title, at, Anchor::Middle) })?;
         }
         let names = content::legend_names(chart);
         for (number, (name, [x, y])) in names.iter().zip(&self.legend).enumerate() {
             content::legend_mark(drawing, chart, number, [*x, *y])?;
-            drawing.words(&Words::new(name, [x + LEGEND_MARK, *y], Anchor::Start))?;
+            drawing.words(&Label::new(name, [x + LEGEND_MARK, *y], Anchor::Start))?;
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ mod frame;
 
 use super::{Chart, ChartContent};
 use content::{bars, curves, heat_map, key};
-use drawing::{Drawing, coordinate, light, printable};
+use drawing::{Drawing, coordinate, light_color, printable};
 use frame::Frame;
 use quick_xml::Writer;
 use quick_xml::events::BytesText;
@@ -18,7 +18,7 @@ use std::io;
 /// The width of most charts, in pixels of 1/96 inch: 180 mm.
 const WIDTH: f64 = 680.0;
 /// The greatest height on paper: 260 mm.
-const MOST_HEIGHT: f64 = 980.0;
+const MAX_HEIGHT: f64 = 980.0;
 /// The size of texts (px), 8.25 points.
 const FONT: f64 = 11.0;
 /// From line to line of a text (px).
@@ -30,7 +30,7 @@ const LINE: f64 = 14.0;
 /// When the XML writer fails.
 pub fn svg(chart: &Chart) -> io::Result<String> {
     let frame = Frame::of(chart);
-    let scale = (WIDTH / frame.width).min(MOST_HEIGHT / frame.height).min(1.0);
+    let scale = (WIDTH / frame.width).min(MAX_HEIGHT / frame.height).min(1.0);
     let mut writer = Writer::new_with_indent(Vec::new(), b' ', 1);
     writer
         .create_element("svg")
@@ -41,7 +41,7 @@ pub fn svg(chart: &Chart) -> io::Result<String> {
             ("viewBox", &*format!("0 0 {} {}", coordinate(frame.width), coordinate(frame.height))),
             ("font-family", "sans-serif"),
             ("font-size", &*coordinate(FONT)),
-            ("fill", light("text")),
+            ("fill", light_color("text")),
             ("role", "img"),
         ])
         .write_inner_content(|writer| {
@@ -68,7 +68,7 @@ mod tests {
         BarSeries, Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve, HeatMap, LineStyle, LogScale,
         PointLook,
     };
-    use super::{MOST_HEIGHT, WIDTH, svg};
+    use super::{MAX_HEIGHT, WIDTH, svg};
 
     fn names(names: &[&str]) -> Vec<String> {
         names.iter().map(|name| (*name).to_owned()).collect()
@@ -140,7 +140,7 @@ mod tests {
             let document = roxmltree::Document::parse(&text).expect("XML");
             let root = document.root_element();
             let of = |name: &str| root.attribute(name).and_then(|n| n.parse::<f64>().ok()).expect("a length");
-            assert!(of("width") <= WIDTH && of("height") <= MOST_HEIGHT && of("height") > 50.0, "{}", chart.id);
+            assert!(of("width") <= WIDTH && of("height") <= MAX_HEIGHT && of("height") > 50.0, "{}", chart.id);
             assert_eq!(root.attribute("font-family"), Some("sans-serif"));
             let known = ["svg", "title", "rect", "polyline", "path", "text"];
             let size = numbers(root.attribute("viewBox").expect("a box"));

@@ -20,9 +20,9 @@ fn distances_are_counted_rounded_up_and_without_end() {
         (0.5, UNITS / 2),
         (0.5 + 1e-12, UNITS / 2 + 1),
         (1.0, UNITS),
-        (f64::INFINITY, MOST_UNITS),
-        (f64::NAN, MOST_UNITS),
-        (1e300, MOST_UNITS),
+        (f64::INFINITY, MAX_UNITS),
+        (f64::NAN, MAX_UNITS),
+        (1e300, MAX_UNITS),
     ] {
         let before = travel.0[1];
         travel.add(1, distance, 1.0);
@@ -34,7 +34,7 @@ fn distances_are_counted_rounded_up_and_without_end() {
     // Nothing is known without a margin.
     travel.add(2, 1.0, 0.0);
     travel.add(2, 1.0, f64::NAN);
-    assert_eq!(travel.0[2], 2 * MOST_UNITS);
+    assert_eq!(travel.0[2], 2 * MAX_UNITS);
 }
 
 #[test]

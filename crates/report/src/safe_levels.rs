@@ -60,7 +60,7 @@ pub(crate) fn alignment_words(form: PairAlignment) -> &'static str {
 
 /// Along which axes an engine is safe.
 #[derive(Default)]
-pub(crate) struct Reach {
+pub(crate) struct SafeLevels {
     /// Where, and how far, in words.
     pub(crate) safe: Vec<String>,
     /// Where not even at the mildest level.
@@ -70,23 +70,23 @@ pub(crate) struct Reach {
 }
 
 /// Along which axes an engine is safe, and how far, in words.
-pub(crate) fn reach<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> Reach {
-    let mut reach = Reach::default();
+pub(crate) fn safe_levels<'r>(limits: impl Iterator<Item = &'r StressLimit>) -> SafeLevels {
+    let mut found = SafeLevels::default();
     for limit in limits {
         let what = || noun(limit.curve.axis).to_lowercase();
         match (&limit.safe_to, &limit.beyond, limit.proof) {
-            (Some(level), ..) => reach.safe.push(up_to(limit.curve.axis, level)),
+            (Some(level), ..) => found.safe.push(up_to(limit.curve.axis, level)),
             (None, Some(_), Proof::TooFew { needed }) => {
                 let needed = needed.map_or(String::new(), |n| format!(" ({} a level would do)", grouped(n)));
-                reach.untold.push(format!("{}{needed}", what()));
+                found.untold.push(format!("{}{needed}", what()));
             }
             (None, Some((level, share)), _) => {
-                reach.never.push(format!("{} ({} differ at {})", what(), percent(*share), power(level)));
+                found.never.push(format!("{} ({} differ at {})", what(), percent(*share), power(level)));
             }
             (None, None, _) => {}
         }
     }
-    reach
+    found
 }
 
 #[cfg(test)]

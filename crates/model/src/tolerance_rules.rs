@@ -22,11 +22,12 @@ use crate::vector::Vec3;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Signed;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// A rule of SPEC section 3. ℓ is the shortest and L the longest edge, R the largest block radius, M the largest
 /// coordinate magnitude, eps the precision in use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Rule {
     /// `search ≥ 2·max_displacement`
     Search,
@@ -144,7 +145,7 @@ impl fmt::Display for Violation {
 }
 
 /// How far a tolerance set is from breaking a rule.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RuleSlack {
     /// The rule.
     pub rule: Rule,

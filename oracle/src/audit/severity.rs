@@ -1,13 +1,13 @@
-//! What an overlap means for a run (SPEC section 7): what contacts cannot undo, what they hold, and what is rounding.
+//! How grave an overlap is for a run (SPEC section 7): what contacts cannot undo, what they hold, and what is rounding.
 
 use super::{Overlap, OverlapVisibility};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Precision};
 
-/// What an overlap means for a run.
+/// How grave an overlap is for a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Meaning {
+pub enum OverlapSeverity {
     /// Deeper than g, or seen by no contact though more than rounding: the blocks will pass through one another.
     Lost,
     /// Seen by a contact that can push the blocks apart.
@@ -16,31 +16,31 @@ pub enum Meaning {
     Rounding,
 }
 
-impl Meaning {
+impl OverlapSeverity {
     /// All, the gravest first.
-    pub const ALL: [Meaning; 3] = [Meaning::Lost, Meaning::Held, Meaning::Rounding];
+    pub const ALL: [OverlapSeverity; 3] = [OverlapSeverity::Lost, OverlapSeverity::Held, OverlapSeverity::Rounding];
 
     /// `lost`, `held` or `rounding`.
     pub fn name(self) -> &'static str {
         match self {
-            Meaning::Lost => "lost",
-            Meaning::Held => "held",
-            Meaning::Rounding => "rounding",
+            OverlapSeverity::Lost => "lost",
+            OverlapSeverity::Held => "held",
+            OverlapSeverity::Rounding => "rounding",
         }
     }
 }
 
 impl Overlap {
-    /// What the overlap means. `rounding` (m) is the depth that rounded coordinates alone can make ([`rounding_depth`]);
+    /// How grave the overlap is. `rounding` (m) is the depth that rounded coordinates alone can make ([`rounding_depth`]);
     /// **exactly so deep is rounding**.
-    pub fn meaning(&self, rounding: &Number) -> Meaning {
+    pub fn severity(&self, rounding: &Number) -> OverlapSeverity {
         if self.is_deeper_than_g {
-            return Meaning::Lost;
+            return OverlapSeverity::Lost;
         }
         match (self.is_rounding(rounding), self.sight) {
-            (true, _) => Meaning::Rounding,
-            (false, OverlapVisibility::Unseen) => Meaning::Lost,
-            (false, _) => Meaning::Held,
+            (true, _) => OverlapSeverity::Rounding,
+            (false, OverlapVisibility::Unseen) => OverlapSeverity::Lost,
+            (false, _) => OverlapSeverity::Held,
         }
     }
 
@@ -50,9 +50,9 @@ impl Overlap {
     }
 
     /// Whether no contact sees the overlap and it is more than rounding, however deep it is. After a step this is the
-    /// question, not [`Meaning::Lost`]: a contact kept closed holds blocks that overlap deeper than g.
+    /// question, not [`OverlapSeverity::Lost`]: a contact kept closed holds blocks that overlap deeper than g.
     pub fn is_unseen(&self, rounding: &Number) -> bool {
-        self.sight == OverlapVisibility::Unseen && self.meaning(rounding) == Meaning::Lost
+        self.sight == OverlapVisibility::Unseen && self.severity(rounding) == OverlapSeverity::Lost
     }
 }
 

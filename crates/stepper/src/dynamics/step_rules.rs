@@ -5,12 +5,12 @@
 
 use crate::contact::{ContactRules, SpecRules};
 use crate::dynamics::compiled::CompiledSteps;
-use crate::dynamics::engine::Dynamics;
 use crate::dynamics::prescribed::PrescribedStep;
 use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::setup::SetupError;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::{Mode, State};
+use crate::dynamics::step::Dynamics;
 use crate::real::Real;
 use rockproof_model::simulation::Control;
 use rockproof_model::{Scene, ToleranceSet};

@@ -107,7 +107,7 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
 mod tests {
     use super::*;
     use crate::preset::{Preset, derive};
-    use crate::rules::check_scene;
+    use crate::tolerance_rules::check_scene;
     use crate::{Block, Precision, SceneBlock, Vec3};
 
     /// A cube of 1 m³ and 2500 kg, its bottom 2 m above a fixed slab of 1 m: a model 4 m high.

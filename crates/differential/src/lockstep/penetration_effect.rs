@@ -17,7 +17,7 @@ pub fn penetration(scene: &ExactScene, state: &State) -> Option<f64> {
 
 /// What made the penetration after the stepper's step another one than after the oracle's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PenetrationCause {
+pub enum PenetrationEffect {
     /// No more than rounding makes of equal decisions.
     None,
     /// Contacts that the stepper classified wrongly.
@@ -28,14 +28,14 @@ pub enum PenetrationCause {
     Arithmetic,
 }
 
-impl PenetrationCause {
+impl PenetrationEffect {
     /// The name in tables: `none`, `classification`, `iteration`, `arithmetic`.
     pub fn name(self) -> &'static str {
         match self {
-            PenetrationCause::None => "none",
-            PenetrationCause::Classification => "classification",
-            PenetrationCause::Iteration => "iteration",
-            PenetrationCause::Arithmetic => "arithmetic",
+            PenetrationEffect::None => "none",
+            PenetrationEffect::Classification => "classification",
+            PenetrationEffect::Iteration => "iteration",
+            PenetrationEffect::Arithmetic => "arithmetic",
         }
     }
 }
@@ -55,24 +55,24 @@ pub struct StepPenetrations {
 
 impl StepPenetrations {
     /// Changes below this share of the larger penetration are none.
-    pub const NOTHING: f64 = 1.0 / 1_048_576.0;
+    pub const NEGLIGIBLE_SHARE: f64 = 1.0 / 1_048_576.0;
 
     /// The largest of the three parts of the change from the oracle's to the stepper's penetration; of equal ones the first of
-    /// classification, iteration, arithmetic. None, when the change is below [`StepPenetrations::NOTHING`].
-    pub fn effect(&self) -> PenetrationCause {
+    /// classification, iteration, arithmetic. None, when the change is below [`StepPenetrations::NEGLIGIBLE_SHARE`].
+    pub fn effect(&self) -> PenetrationEffect {
         let change = self.stepper - self.oracle;
-        if change.abs() <= StepPenetrations::NOTHING * self.stepper.max(self.oracle) {
-            return PenetrationCause::None;
+        if change.abs() <= StepPenetrations::NEGLIGIBLE_SHARE * self.stepper.max(self.oracle) {
+            return PenetrationEffect::None;
         }
         let parts = [
-            (PenetrationCause::Classification, self.stepper - self.contacts),
-            (PenetrationCause::Iteration, self.contacts - self.modes),
-            (PenetrationCause::Arithmetic, self.modes - self.oracle),
+            (PenetrationEffect::Classification, self.stepper - self.contacts),
+            (PenetrationEffect::Iteration, self.contacts - self.modes),
+            (PenetrationEffect::Arithmetic, self.modes - self.oracle),
         ];
-        let larger = |best: (PenetrationCause, f64), next: (PenetrationCause, f64)| {
+        let larger = |best: (PenetrationEffect, f64), next: (PenetrationEffect, f64)| {
             if next.1.abs() > best.1.abs() { next } else { best }
         };
-        parts.into_iter().reduce(larger).map_or(PenetrationCause::None, |(effect, _)| effect)
+        parts.into_iter().reduce(larger).map_or(PenetrationEffect::None, |(effect, _)| effect)
     }
 }
 
@@ -83,11 +83,11 @@ mod tests {
     #[test]
     fn the_largest_part_names_the_effect() {
         let depths = |stepper, contacts, modes, oracle| StepPenetrations { stepper, contacts, modes, oracle }.effect();
-        assert_eq!(depths(3.0, 1.0, 1.0, 1.0), PenetrationCause::Classification);
-        assert_eq!(depths(3.0, 3.0, 1.0, 1.0), PenetrationCause::Iteration);
-        assert_eq!(depths(3.0, 3.0, 3.0, 1.0), PenetrationCause::Arithmetic);
-        assert_eq!(depths(0.0, 0.0, 0.0, 0.0), PenetrationCause::None);
-        assert_eq!(depths(1.0, 0.5, 1.0, 1.0 + 1e-9), PenetrationCause::None, "what cancels did nothing");
-        assert_eq!(depths(0.0, 1.0, 1.0, 1.0), PenetrationCause::Classification, "less deep is an effect too");
+        assert_eq!(depths(3.0, 1.0, 1.0, 1.0), PenetrationEffect::Classification);
+        assert_eq!(depths(3.0, 3.0, 1.0, 1.0), PenetrationEffect::Iteration);
+        assert_eq!(depths(3.0, 3.0, 3.0, 1.0), PenetrationEffect::Arithmetic);
+        assert_eq!(depths(0.0, 0.0, 0.0, 0.0), PenetrationEffect::None);
+        assert_eq!(depths(1.0, 0.5, 1.0, 1.0 + 1e-9), PenetrationEffect::None, "what cancels did nothing");
+        assert_eq!(depths(0.0, 1.0, 1.0, 1.0), PenetrationEffect::Classification, "less deep is an effect too");
     }
 }

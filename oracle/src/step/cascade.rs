@@ -5,7 +5,7 @@ use super::attempt::Attempt;
 use super::attempt_state::AttemptState;
 use super::decisions::StepDecision;
 use super::state::Mode;
-use super::system::{StepSupport, Stepwise, StiffnessBound, stiffness};
+use super::system::{StepNumber, StepSupport, StiffnessBound, stiffness};
 use crate::field::{DoubleBall, WideBall};
 use crate::number::Ball;
 use num_rational::BigRational;
@@ -23,7 +23,7 @@ const LARGE: usize = 96;
 
 /// How many decisions of a step each level settled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct StepLevels {
+pub struct StepLevelCounts {
     /// Balls of f64.
     pub float: u64,
     /// Balls of two f64, some 100 bits.
@@ -61,7 +61,7 @@ enum Geometry {
     Asked,
 }
 
-/// One number type of the ladder, made when first asked.
+/// One number type of the cascade, made when first asked.
 enum Level<'a, S> {
     Unused,
     Ready(Box<AttemptState<'a, S>>),
@@ -69,7 +69,7 @@ enum Level<'a, S> {
     Failed,
 }
 
-impl<'a, S: Stepwise> Level<'a, S> {
+impl<'a, S: StepNumber> Level<'a, S> {
     fn begin(&mut self, attempt: &'a Attempt<'a>, bits: u32, geometry: Geometry) -> Option<&mut AttemptState<'a, S>> {
         if matches!(self, Level::Unused) {
             let chain = AttemptState::new(attempt, bits);
@@ -118,8 +118,17 @@ impl<'a, S: Stepwise> Level<'a, S> {
     }
 }
 
+/// Which blocks are in islands whose contacts may bear no force.
+#[derive(Default)]
+struct ForcelessBlocks {
+    /// The number of solves after which this is known.
+    solves: usize,
+    /// By block.
+    may_be: Vec<bool>,
+}
+
 /// All number types over one attempt.
-pub(crate) struct Ladder<'a> {
+pub(crate) struct Cascade<'a> {
     attempt: &'a Attempt<'a>,
     layout: &'a Layout,
     history: History,
@@ -127,14 +136,13 @@ pub(crate) struct Ladder<'a> {
     double: Level<'a, DoubleBall>,
     wide: [Level<'a, WideBall>; 4],
     exact: Level<'a, BigRational>,
-    /// After so many solves, which blocks are in islands whose contacts may bear no force.
-    free: (usize, Vec<bool>),
-    pub(crate) levels: StepLevels,
+    forceless: ForcelessBlocks,
+    pub(crate) levels: StepLevelCounts,
 }
 
-impl<'a> Ladder<'a> {
-    pub(crate) fn new(attempt: &'a Attempt<'a>, layout: &'a Layout, levels: StepLevels) -> Ladder<'a> {
-        let mut ladder = Ladder {
+impl<'a> Cascade<'a> {
+    pub(crate) fn new(attempt: &'a Attempt<'a>, layout: &'a Layout, levels: StepLevelCounts) -> Cascade<'a> {
+        let mut cascade = Cascade {
             attempt,
             layout,
             history: History { modes: Vec::new(), factors: Vec::new(), bound: None },
@@ -142,11 +150,11 @@ impl<'a> Ladder<'a> {
             double: Level::Unused,
             wide: std::array::from_fn(|_| Level::Unused),
             exact: Level::Unused,
-            free: (0, Vec::new()),
+            forceless: ForcelessBlocks::default(),
             levels,
         };
-        ladder.history.bound = ladder.first(StiffnessBound::new, StiffnessBound::new, StiffnessBound::new);
-        ladder
+        cascade.history.bound = cascade.first(StiffnessBound::new, StiffnessBound::new, StiffnessBound::new);
+        cascade
     }
 
     /// What the cheapest type says that can calculate the geometry: f64 cannot where a plane is nearly none, as that of edges all
@@ -199,7 +207,7 @@ impl<'a> Ladder<'a> {
         let layout = self.layout;
         let float = self.float().and_then(|chain| stiffness(chain, modes, layout));
         let double = float.or_else(|| self.double().and_then(|chain| stiffness(chain, modes, layout)));
-        let wide = |ladder: &mut Self, k| ladder.wide(k).and_then(|chain| stiffness(chain, modes, layout));
+        let wide = |cascade: &mut Self, k| cascade.wide(k).and_then(|chain| stiffness(chain, modes, layout));
         double.or_else(|| wide(self, 0)).or_else(|| wide(self, 1))?.factor().map(Rc::new)
     }
 
@@ -250,14 +258,15 @@ impl<'a> Ladder<'a> {
         if self.history.bound.is_none() || modes[1..].iter().any(|modes| modes.contains(&Mode::Sliding)) {
             return false;
         }
-        if self.free.0 != modes.len() {
+        if self.forceless.solves != modes.len() {
             let Some(chain) = self.double.ready() else { return false };
-            self.free = (modes.len(), chain.blocks_without_force().unwrap_or_default());
+            let may_be = chain.blocks_without_force().unwrap_or_default();
+            self.forceless = ForcelessBlocks { solves: modes.len(), may_be };
         }
         attempt.started[k]
             .blocks
             .iter()
-            .all(|&block| attempt.rows[block].is_none() || self.free.1.get(block) == Some(&true))
+            .all(|&block| attempt.rows[block].is_none() || self.forceless.may_be.get(block) == Some(&true))
     }
 
     /// The chain in f64 balls.

@@ -4,19 +4,19 @@ mod support;
 
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Contact, Sign};
-use rockproof_oracle::{Departure, Pair, PreparedBlock};
+use rockproof_oracle::{Pair, PreparedBlock, RuleVariant};
 use support::handworked;
 use support::shapes::{classic, slab, spike};
 
-/// How many answers change under a departure, and how many do where it does not come up.
+/// How many answers change under a variant, and how many do where it does not come up.
 struct Changed {
     expected: usize,
     unexpected: Vec<String>,
 }
 
-/// Compares the answers under departures with those of the hand-worked cases; `comes_up` says of a predicate in a pair whether one is about something.
+/// Compares the answers under variants with those of the hand-worked cases; `comes_up` says of a predicate in a pair whether one is about something.
 fn compared(
-    departures: impl Fn(Predicate) -> Departure<'static>,
+    variants: impl Fn(Predicate) -> RuleVariant<'static>,
     comes_up: impl Fn(&[(Predicate, i8, bool)], Predicate) -> bool,
 ) -> Changed {
     let mut changed = Changed { expected: 0, unexpected: Vec::new() };
@@ -27,7 +27,7 @@ fn compared(
         let trace = pair.trace(&case.tolerances);
         let trace: Vec<_> = trace.iter().map(|entry| (entry.decision.predicate, entry.outcome, entry.tie)).collect();
         for predicate in Predicate::ALL {
-            let differs = pair.classify_departing(&case.tolerances, departures(predicate)) != exact;
+            let differs = pair.classify_with_variant(&case.tolerances, variants(predicate)) != exact;
             match (differs, comes_up(&trace, predicate)) {
                 (true, false) => changed.unexpected.push(format!("{}: {predicate}", case.name)),
                 (differs, _) => changed.expected += usize::from(differs),
@@ -43,11 +43,11 @@ fn ties_are_turned_where_there_are_ties_and_nowhere_else() {
         trace.iter().any(|&(predicate, _, tie)| predicate == wanted && tie)
     };
     for taken in [Sign::Negative, Sign::Positive] {
-        let changed = compared(|predicate| Departure::Tie(predicate, taken), is_tie);
+        let changed = compared(|predicate| RuleVariant::Tie(predicate, taken), is_tie);
         assert!(changed.unexpected.is_empty(), "{:?}", changed.unexpected);
         assert!(changed.expected > 20, "{} answers change", changed.expected);
     }
-    let changed = compared(|predicate| Departure::Tie(predicate, Sign::Zero), |_, _| false);
+    let changed = compared(|predicate| RuleVariant::Tie(predicate, Sign::Zero), |_, _| false);
     assert_eq!((changed.expected, changed.unexpected), (0, Vec::new()), "a tie taken for a tie");
 }
 
@@ -58,7 +58,7 @@ fn a_rule_is_left_out_where_it_said_otherwise_and_nowhere_else() {
             wanted != Predicate::GapSign
                 && trace.iter().any(|&(predicate, outcome, _)| predicate == wanted && (outcome == 1) != yes)
         };
-        let changed = compared(|predicate| Departure::Always(predicate, yes), otherwise);
+        let changed = compared(|predicate| RuleVariant::Always(predicate, yes), otherwise);
         assert!(changed.unexpected.is_empty(), "{:?}", changed.unexpected);
         assert!(changed.expected > 20, "{} answers change", changed.expected);
     }
@@ -72,10 +72,15 @@ fn what_is_left_out_is_gone_before_an_exit_is_chosen() {
         let pair = Pair::new(&a, &b);
         let exact = pair.classify(&case.tolerances).contacts;
         let nothing = |_: &Contact| false;
-        assert_eq!(pair.classify_departing(&case.tolerances, Departure::LeftOut(&nothing)), exact, "{}", case.name);
+        assert_eq!(
+            pair.classify_with_variant(&case.tolerances, RuleVariant::LeftOut(&nothing)),
+            exact,
+            "{}",
+            case.name
+        );
         for contact in &exact {
             let is_it = |found: &Contact| found == contact;
-            let left = pair.classify_departing(&case.tolerances, Departure::LeftOut(&is_it));
+            let left = pair.classify_with_variant(&case.tolerances, RuleVariant::LeftOut(&is_it));
             assert!(!left.contains(contact), "{}", case.name);
             // What touches or is apart stays whatever is left out; of overlapping contacts others may come in its place.
             let stays = |contacts: &[Contact]| contacts.iter().filter(|c| !c.gap.is_negative()).count();
@@ -92,7 +97,7 @@ fn what_is_always_near_must_be_within_reach() {
     let (a, b) = (PreparedBlock::new(&spike(["0", "0", "1/20"])), PreparedBlock::new(&slab()));
     let pair = Pair::new(&a, &b);
     let tolerances = classic(&[("overlap_sine", "1")]);
-    let near = pair.classify_departing(&tolerances, Departure::Always(Predicate::VertexFaceNear, true));
+    let near = pair.classify_with_variant(&tolerances, RuleVariant::Always(Predicate::VertexFaceNear, true));
     assert_eq!(near, pair.classify(&tolerances).contacts);
     assert_eq!(near.len(), 1);
 }

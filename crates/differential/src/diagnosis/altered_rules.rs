@@ -1,14 +1,14 @@
 //! Hypotheses about rules: `<` for `≤` and the other way round at exact ties, and rules that are not there.
 
 use super::hypothesis::Hypothesis;
-use super::question::Asked;
+use super::question::PreparedQuestion;
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Contact, Sign};
-use rockproof_oracle::Departure;
+use rockproof_oracle::RuleVariant;
 
-/// A rule that is another one.
+/// A rule that differs from that of SPEC.
 #[derive(Clone, Copy, Debug)]
-enum Rule {
+enum AlteredRule {
     /// A tie is taken for a value of this sign.
     Tie(Predicate, Sign),
     /// The question has this answer, whatever it is asked of.
@@ -41,46 +41,46 @@ const ABSENT: [(Predicate, bool); 16] = [
 /// The hypotheses about rules.
 pub(super) fn all() -> impl Iterator<Item = Box<dyn Hypothesis>> {
     let ties = Predicate::ALL.into_iter().filter(|predicate| *predicate != Predicate::GapSign).map(|predicate| {
-        Rule::Tie(predicate, if STRICT.contains(&predicate) { Sign::Positive } else { Sign::Negative })
+        AlteredRule::Tie(predicate, if STRICT.contains(&predicate) { Sign::Positive } else { Sign::Negative })
     });
-    let gaps = [Sign::Negative, Sign::Positive].map(|sign| Rule::Tie(Predicate::GapSign, sign));
-    let absent = ABSENT.map(|(predicate, answer)| Rule::Always(predicate, answer));
+    let gaps = [Sign::Negative, Sign::Positive].map(|sign| AlteredRule::Tie(Predicate::GapSign, sign));
+    let absent = ABSENT.map(|(predicate, answer)| AlteredRule::Always(predicate, answer));
     gaps.into_iter().chain(ties).chain(absent).map(|rule| Box::new(rule) as Box<dyn Hypothesis>)
 }
 
-impl Hypothesis for Rule {
+impl Hypothesis for AlteredRule {
     fn name(&self) -> String {
         match self {
-            Rule::Tie(Predicate::GapSign, Sign::Positive) => "gap-of-0-positive".to_owned(),
-            Rule::Tie(Predicate::GapSign, _) => "gap-of-0-negative".to_owned(),
-            Rule::Tie(predicate, _) => format!("{predicate}-turned-at-ties"),
-            Rule::Always(predicate, _) => format!("{predicate}-left-out"),
+            AlteredRule::Tie(Predicate::GapSign, Sign::Positive) => "gap-of-0-positive".to_owned(),
+            AlteredRule::Tie(Predicate::GapSign, _) => "gap-of-0-negative".to_owned(),
+            AlteredRule::Tie(predicate, _) => format!("{predicate}-turned-at-ties"),
+            AlteredRule::Always(predicate, _) => format!("{predicate}-left-out"),
         }
     }
 
     fn sentence(&self) -> String {
         match self {
-            Rule::Tie(Predicate::GapSign, Sign::Positive) => {
+            AlteredRule::Tie(Predicate::GapSign, Sign::Positive) => {
                 "but for gaps of exactly 0, which count as positive".to_owned()
             }
-            Rule::Tie(Predicate::GapSign, _) => "but for gaps of exactly 0, which count as negative".to_owned(),
-            Rule::Tie(predicate, Sign::Positive) => {
+            AlteredRule::Tie(Predicate::GapSign, _) => "but for gaps of exactly 0, which count as negative".to_owned(),
+            AlteredRule::Tie(predicate, Sign::Positive) => {
                 format!("but for ties of {predicate}, which count as yes (≤ for <)")
             }
-            Rule::Tie(predicate, _) => format!("but for ties of {predicate}, which count as no (< for ≤)"),
-            Rule::Always(predicate, _) => format!("but for the rule {predicate}, which is left out"),
+            AlteredRule::Tie(predicate, _) => format!("but for ties of {predicate}, which count as no (< for ≤)"),
+            AlteredRule::Always(predicate, _) => format!("but for the rule {predicate}, which is left out"),
         }
     }
 
-    fn contacts(&self, asked: &Asked<'_>) -> Option<Vec<Contact>> {
-        let departure = match *self {
-            Rule::Tie(predicate, taken) => Departure::Tie(predicate, taken),
-            Rule::Always(predicate, answer) => Departure::Always(predicate, answer),
+    fn contacts(&self, asked: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
+        let variant = match *self {
+            AlteredRule::Tie(predicate, taken) => RuleVariant::Tie(predicate, taken),
+            AlteredRule::Always(predicate, answer) => RuleVariant::Always(predicate, answer),
         };
-        Some(asked.pair.classify_departing(&asked.question.tolerances, departure))
+        Some(asked.pair.classify_with_variant(&asked.question.tolerances, variant))
     }
 
     fn is_about_ties(&self) -> bool {
-        matches!(self, Rule::Tie(..))
+        matches!(self, AlteredRule::Tie(..))
     }
 }

@@ -4,7 +4,7 @@
 //! size is known by its residue modulo 2^(k+1), and that is the polynomial of the residues of coordinates and tolerances. So integers of
 //! k + 1 bits that wrap around suffice, where f64 has cancelled most of the bits that intermediate values have.
 
-use super::{ScalesCache, SignLadder};
+use super::{ScalesCache, SignCascade};
 use crate::field::DoubleBall;
 use crate::number::{Ball, Bits};
 use crate::pair::Pair;
@@ -33,7 +33,7 @@ impl ScalesCache {
     }
 }
 
-impl SignLadder<'_, '_> {
+impl SignCascade<'_, '_> {
     /// The bits that a polynomial's value on the lattice has at most, if this ball encloses that in metres; `None` where f64 cannot
     /// tell.
     pub(crate) fn bits_of_ball<P: Polynomial>(&self, ball: Ball) -> Option<Bits> {
@@ -50,7 +50,7 @@ impl SignLadder<'_, '_> {
         polynomial.value(&ExactView { geometry: pair.double(), scales })
     }
 
-    /// The bits that a polynomial's value on the lattice has at most, if this is its [`SignLadder::double_ball`].
+    /// The bits that a polynomial's value on the lattice has at most, if this is its [`SignCascade::double_ball`].
     pub(crate) fn bits_of_double<P: Polynomial>(&self, ball: &DoubleBall) -> Option<Bits> {
         bits_within(ball.size(), P::DEGREE as i64 * i64::from(self.pair.grid().bits.0))
     }

@@ -5,7 +5,7 @@
 //! projected polygon, which is within the face's bulge of the face itself.) So a feature whose box, grown by that,
 //! misses the other block's box is in no contact. The boxes are compared in f64 with slack for every rounding.
 //!
-//! A v-f or e-e contact that is kept may be deeper than g, and so out of this reach: those are looked at by name.
+//! A v-f or e-e contact that is kept may be deeper than g, and so be left out here: those are looked at by name.
 
 use crate::classification::{Classification, Observer};
 use crate::prepared_block::{PreparedBlock, PreparedEdge};
@@ -15,9 +15,17 @@ use smallvec::SmallVec;
 
 /// The features of one block that can take part in a contact: vertices, and edges that are convex.
 #[derive(Default)]
-pub(crate) struct Reach {
+pub(crate) struct NearFeatures {
     pub(crate) vertices: SmallVec<[VertexId; 32]>,
     pub(crate) edges: SmallVec<[EdgeId; 32]>,
+}
+
+/// Distances (in units of the lattice) that features farther apart certainly exceed, slack included.
+pub(crate) struct CullingDistances {
+    /// Farther apart they are in no contact.
+    pub(crate) contact: f64,
+    /// Farther apart they are not in one another's territory.
+    pub(crate) territory: f64,
 }
 
 /// A box, grown so that comparing with it errs only towards keeping a feature.
@@ -35,8 +43,8 @@ impl GrownBox {
 }
 
 impl<O: Observer> Classification<'_, '_, O> {
-    /// How far features may be apart and still matter, slack included; takes note of how far they may be and be in one another's territory.
-    pub(crate) fn reach_distance(&mut self) -> f64 {
+    /// The distances beyond which features are left out.
+    pub(crate) fn culling_distances(&self) -> CullingDistances {
         let (a, b) = (self.pair.a, self.pair.b);
         let scales = self.float_view().scales;
         let [search, territory, penetration] = [scales.search.0, scales.territory.0, scales.penetration.0];
@@ -47,37 +55,38 @@ impl<O: Observer> Classification<'_, '_, O> {
             (length + a.errors.coordinate + b.errors.coordinate) * (1.0 + 1e-12) + 8.0 * f64::EPSILON * magnitude
         };
         let largest = search.max(territory).max(penetration);
-        let distance = with_slack(largest + a.bulge.max(b.bulge));
-        self.territory_reach = with_slack(if self.classic { search } else { territory });
-        distance
+        CullingDistances {
+            contact: with_slack(largest + a.bulge.max(b.bulge)),
+            territory: with_slack(if self.classic { search } else { territory }),
+        }
     }
 
     /// The features of the block on `side` that come within `distance` of the other block's box.
-    pub(crate) fn reach_of(&self, side: Side, distance: f64) -> Reach {
+    pub(crate) fn features_within(&self, side: Side, distance: f64) -> NearFeatures {
         let (solid, other) = (self.pair.solid(side), self.pair.solid(side.other()));
         let grown = GrownBox { min: other.box_min.map(|c| c - distance), max: other.box_max.map(|c| c + distance) };
-        let mut reach = Reach::default();
+        let mut near = NearFeatures::default();
         for v in solid.block.topology().vertex_ids() {
             let at = point(solid, v);
             if !grown.misses(&at, &at) {
-                reach.vertices.push(v);
+                near.vertices.push(v);
             }
         }
         for (e, PreparedEdge { bounds: [min, max], .. }) in (0..).map(EdgeId).zip(&solid.edges) {
             // Reflex edges have no contacts of their own.
             if !grown.misses(min, max) && solid.block.edge_is_convex(e) {
-                reach.edges.push(e);
+                near.edges.push(e);
             }
         }
-        reach
+        near
     }
 
-    /// The vertices of the block on `side` that are named by kept contacts with faces and not in `reach`; each once.
-    pub(crate) fn kept_vertices_beyond(&self, side: Side, reach: &Reach) -> SmallVec<[VertexId; 4]> {
+    /// The vertices of the block on `side` that are named by kept contacts with faces and not in `near`; each once.
+    pub(crate) fn kept_vertices_beyond(&self, side: Side, near: &NearFeatures) -> SmallVec<[VertexId; 4]> {
         let mut beyond = SmallVec::new();
         let count = self.pair.topology(side).vertex_count();
         for vertex in self.kept.iter().filter_map(|contact| vertex_of_face_contact(side, *contact)) {
-            if vertex.index() < count && !reach.vertices.contains(&vertex) && !beyond.contains(&vertex) {
+            if vertex.index() < count && !near.vertices.contains(&vertex) && !beyond.contains(&vertex) {
                 beyond.push(vertex);
             }
         }
@@ -85,7 +94,12 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// The edge pairs named by kept contacts that `a`, `b` and `distance` leave out; each once.
-    pub(crate) fn kept_edges_beyond(&self, a: &Reach, b: &Reach, distance: f64) -> SmallVec<[(EdgeId, EdgeId); 4]> {
+    pub(crate) fn kept_edges_beyond(
+        &self,
+        a: &NearFeatures,
+        b: &NearFeatures,
+        distance: f64,
+    ) -> SmallVec<[(EdgeId, EdgeId); 4]> {
         let mut beyond = SmallVec::new();
         let [count_a, count_b] = [Side::A, Side::B].map(|side| self.pair.topology(side).edges().len());
         for contact in self.kept {
@@ -168,9 +182,12 @@ mod tests {
         let (a, b) = (cube(3), cube(2));
         let (pair, t) = (Pair::new(&a, &b), without_tolerances());
         let kept = [ContactKey::EdgeEdge(EdgeId(0), EdgeId(1)), ContactKey::VertexFace(VertexId(0), FaceId(0))];
-        let run = Classification::new(&pair, &t, Unobserved).keeping(&kept);
-        let reach = |edges: &[u32]| Reach { edges: edges.iter().copied().map(EdgeId).collect(), ..Reach::default() };
-        let beyond = |a: &[u32], b: &[u32], distance| run.kept_edges_beyond(&reach(a), &reach(b), distance).to_vec();
+        let run = Classification::new(&pair, &t, Unobserved).with_kept(&kept);
+        let near = |edges: &[u32]| NearFeatures {
+            edges: edges.iter().copied().map(EdgeId).collect(),
+            ..NearFeatures::default()
+        };
+        let beyond = |a: &[u32], b: &[u32], distance| run.kept_edges_beyond(&near(a), &near(b), distance).to_vec();
         let it = vec![(EdgeId(0), EdgeId(1))];
         assert_eq!(beyond(&[], &[], 1e9), it);
         assert_eq!(beyond(&[0], &[], 1e9), it);
@@ -179,16 +196,15 @@ mod tests {
         assert_eq!(beyond(&[0], &[1], -1e9), it, "too far from one another");
     }
 
-    /// The reach makes up for coordinates that f64 does not hold and for the roundings in comparing.
+    /// The distances make up for coordinates that f64 does not hold and for the roundings in comparing.
     #[test]
-    fn the_reach_without_tolerances_is_that_of_roundings() {
+    fn without_tolerances_the_distances_are_those_of_roundings() {
         let (a, b) = (cube(4), cube(2));
         let (pair, t) = (Pair::new(&a, &b), without_tolerances());
-        let mut run = Classification::new(&pair, &t, Unobserved);
+        let run = Classification::new(&pair, &t, Unobserved);
         let off = a.errors.coordinate + b.errors.coordinate;
         assert!(off > 0.0);
-        let distance = run.reach_distance();
-        assert!(distance >= off + 8.0 * f64::EPSILON * 4.0 / 3.0, "{distance:e}");
-        assert!(run.territory_reach >= off + 8.0 * f64::EPSILON * 4.0 / 3.0, "{:e}", run.territory_reach);
+        let CullingDistances { contact, territory } = run.culling_distances();
+        assert!(contact.min(territory) >= off + 8.0 * f64::EPSILON * 4.0 / 3.0, "{contact:e} {territory:e}");
     }
 }

@@ -7,7 +7,7 @@ use rockproof_model::{Contact, Sign, ToleranceSet};
 
 /// One respect in which a classification departs from SPEC section 4.
 #[derive(Clone, Copy)]
-pub enum Departure<'d> {
+pub enum RuleVariant<'d> {
     /// Where a sign that this predicate rests on is exactly zero, it is taken for the given one: `<` for `≤`, or the other way round. Of
     /// [`Predicate::GapSign`] it is the gap's. Every other sign is as it is.
     Tie(Predicate, Sign),
@@ -18,30 +18,30 @@ pub enum Departure<'d> {
 }
 
 impl Pair<'_> {
-    /// The contacts of [`Pair::classify`] with one departure, sorted likewise.
+    /// The contacts of [`Pair::classify`] with one variant, sorted likewise.
     ///
-    /// What is beyond the reach of `search` is skipped as always, so that a departure about nearness shows at ties alone.
-    pub fn classify_departing(&self, tolerances: &ToleranceSet, departure: Departure<'_>) -> Vec<Contact> {
-        let observer: &mut dyn Observer = &mut Departing { departure, under_way: None };
+    /// What is beyond the reach of `search` is skipped as always, so that a variant about nearness shows at ties alone.
+    pub fn classify_with_variant(&self, tolerances: &ToleranceSet, variant: RuleVariant<'_>) -> Vec<Contact> {
+        let observer: &mut dyn Observer = &mut VariantObserver { variant, under_way: None };
         Classification::new(self, tolerances, observer).classify()
     }
 }
 
-struct Departing<'d> {
-    departure: Departure<'d>,
+struct VariantObserver<'d> {
+    variant: RuleVariant<'d>,
     /// The predicate of the decision being made.
     under_way: Option<Predicate>,
 }
 
-impl Observer for Departing<'_> {
+impl Observer for VariantObserver<'_> {
     fn begin(&mut self, decision: &Decision) {
         self.under_way = Some(decision.predicate);
     }
 
     fn sign(&mut self, sign: Sign, _margin: &mut dyn FnMut() -> f64) -> Sign {
-        match self.departure {
+        match self.variant {
             // The orientation of an entrance turns the signs that its gap is made of: that one is seen to below.
-            Departure::Tie(predicate, taken)
+            RuleVariant::Tie(predicate, taken)
                 if sign.is_zero() && self.under_way == Some(predicate) && predicate != Predicate::GapSign =>
             {
                 taken
@@ -52,23 +52,23 @@ impl Observer for Departing<'_> {
 
     fn end(&mut self, decision: &Decision, yes: bool) -> bool {
         self.under_way = None;
-        match self.departure {
-            Departure::Always(predicate, answer) if predicate == decision.predicate => answer,
+        match self.variant {
+            RuleVariant::Always(predicate, answer) if predicate == decision.predicate => answer,
             _ => yes,
         }
     }
 
     fn end_with_sign(&mut self, decision: &Decision, sign: Sign) -> Sign {
         self.under_way = None;
-        match self.departure {
-            Departure::Tie(predicate, taken) if sign.is_zero() && predicate == decision.predicate => taken,
+        match self.variant {
+            RuleVariant::Tie(predicate, taken) if sign.is_zero() && predicate == decision.predicate => taken,
             _ => sign,
         }
     }
 
     fn leaves_out(&self, contact: &Contact) -> bool {
-        match self.departure {
-            Departure::LeftOut(is_left_out) => is_left_out(contact),
+        match self.variant {
+            RuleVariant::LeftOut(is_left_out) => is_left_out(contact),
             _ => false,
         }
     }

@@ -8,7 +8,7 @@ use rockproof_differential::external::EngineSpec;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCause;
 use rockproof_model::Precision;
-use rockproof_model::text::{SHOWN, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 
 /// That the campaign of a gate can find something of each limit, as far as that is known beforehand; `file` is the gate file.
 ///
@@ -20,7 +20,7 @@ pub fn check(config: &GateConfig, source: &FamilySource, (file, text): (&str, &s
             let line = line_of(text, limit.span().start);
             return Err(format!(
                 "{file} line {line}: the limit \"{}\" is about nothing in this campaign: {why}",
-                excerpt(&limit.get_ref().text(), SHOWN)
+                excerpt(&limit.get_ref().text(), EXCERPT_LENGTH)
             ));
         }
     }

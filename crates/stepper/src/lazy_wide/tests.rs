@@ -156,8 +156,8 @@ proptest! {
             prop_oneof![(-8i32..8).prop_map(f64::from), -10.0..10.0f64, Just(1.0 + f64::EPSILON), Just(0.1)], 1..6),
         program in proptest::collection::vec((0u8..10, any::<usize>(), any::<usize>()), 1..30),
     ) {
-        let deferred = noted(|| comparisons::<Deferred>(&leaves, &program));
-        prop_assert_eq!(deferred, Some(comparisons::<Wide>(&leaves, &program)));
+        let lazy_wide = noted(|| comparisons::<LazyWide>(&leaves, &program));
+        prop_assert_eq!(lazy_wide, Some(comparisons::<Wide>(&leaves, &program)));
     }
 }
 
@@ -165,15 +165,15 @@ proptest! {
 #[test]
 fn work_of_any_length_ends() {
     let third = |parts: usize| {
-        let third = Deferred::from_f64(1.0) / Deferred::from_f64(3.0);
-        (0..parts).fold(Deferred::ZERO, |sum, _| sum + third)
+        let third = LazyWide::from_f64(1.0) / LazyWide::from_f64(3.0);
+        (0..parts).fold(LazyWide::ZERO, |sum, _| sum + third)
     };
     let compared = |parts: usize| {
-        noted(|| count_unsettled(|| third(parts) * Deferred::from_f64(3.0) == Deferred::from_f64(parts as f64)))
+        noted(|| count_unsettled(|| third(parts) * LazyWide::from_f64(3.0) == LazyWide::from_f64(parts as f64)))
     };
-    assert_eq!(compared(MOST - 10), Some((true, 1)), "a tie of rounded values");
-    assert_eq!(compared(MOST + 10), None);
+    assert_eq!(compared(MAX_NOTES - 10), Some((true, 1)), "a tie of rounded values");
+    assert_eq!(compared(MAX_NOTES + 10), None);
     assert_eq!(compared(3), Some((true, 1)), "nothing is left of the work before");
-    let whole = noted(|| Wide::of_integer(&BigInt::from(7)).partial_cmp(&Deferred::from_f64(7.0).wide()));
+    let whole = noted(|| Wide::of_integer(&BigInt::from(7)).partial_cmp(&LazyWide::from_f64(7.0).wide()));
     assert_eq!(whole, Some(Some(Ordering::Equal)));
 }

@@ -1,4 +1,4 @@
-//! The ladder: the sign of a polynomial at the cheapest level that proves it.
+//! The cascade: the sign of a polynomial at the cheapest level that proves it.
 
 mod integer_width;
 mod margins;
@@ -18,7 +18,7 @@ use rockproof_model::{Sign, ToleranceSet};
 use std::cell::OnceCell;
 
 /// Signs of polynomials of one pair under one tolerance set, and what has been found out about their magnitudes.
-pub(crate) struct SignLadder<'p, 's> {
+pub(crate) struct SignCascade<'p, 's> {
     pub(crate) pair: &'p Pair<'s>,
     pub(crate) tolerances: &'p ToleranceSet,
     pub(crate) levels: LevelCounts,
@@ -70,11 +70,11 @@ impl ScalesCache {
     }
 }
 
-impl<'p, 's> SignLadder<'p, 's> {
+impl<'p, 's> SignCascade<'p, 's> {
     pub(crate) fn new(pair: &'p Pair<'s>, tolerances: &'p ToleranceSet) -> Self {
         let floats = Scales::approximate(tolerances);
         let (unit_bounds, size_powers) = unit_bounds_for(pair, &floats);
-        SignLadder {
+        SignCascade {
             pair,
             tolerances,
             levels: LevelCounts::default(),

@@ -17,7 +17,7 @@ const PRESSED: [usize; 1] = [3];
 const PARTING: [usize; 2] = [4, 5];
 
 /// A fixed floor; two cubes that fall together, one deformable; a cube that the floor presses; two cubes that touch, with other velocities.
-fn with_ladder(look: impl FnOnce(&Attempt<'_>, Ladder<'_>)) {
+fn with_cascade(look: impl FnOnce(&Attempt<'_>, Cascade<'_>)) {
     let number = |n: i64, d: i64| Number::from_rational(BigRational::new(n.into(), d.into()));
     let cuboid = |low: [Number; 3], high: [i32; 3]| {
         let ([a, b, c], [x, y, z]) = (low, high.map(Number::from_integer));
@@ -49,9 +49,9 @@ fn with_ladder(look: impl FnOnce(&Attempt<'_>, Ladder<'_>)) {
     let state = State::initial(&model);
     let prepared = PreparedStep::new(&model, &state).unwrap();
     let attempt = prepared.attempt(first_time_step(&prepared));
-    let mut ladder = Ladder::new(&attempt, &prepared.layout, StepLevels::default());
-    ladder.solve(attempt.first_modes());
-    look(&attempt, ladder);
+    let mut cascade = Cascade::new(&attempt, &prepared.layout, StepLevelCounts::default());
+    cascade.solve(attempt.first_modes());
+    look(&attempt, cascade);
 }
 
 /// A contact between two blocks.
@@ -61,7 +61,7 @@ fn contact(attempt: &Attempt<'_>, blocks: [usize; 2]) -> usize {
 
 #[test]
 fn only_blocks_whose_contacts_bear_no_force_are_solved_without_a_matrix() {
-    with_ladder(|attempt, _| {
+    with_cascade(|attempt, _| {
         let mut chain: AttemptState<'_, BigRational> = AttemptState::new(attempt, 0);
         let modes = attempt.first_modes();
         let friction = chain.friction(&modes).unwrap();
@@ -90,23 +90,23 @@ fn only_blocks_whose_contacts_bear_no_force_are_solved_without_a_matrix() {
 
 #[test]
 fn balls_tell_which_blocks_may_be_free() {
-    with_ladder(|_, mut ladder| {
-        let free = ladder.double().unwrap().blocks_without_force().unwrap();
+    with_cascade(|_, mut cascade| {
+        let free = cascade.double().unwrap().blocks_without_force().unwrap();
         assert_eq!(free, [false, true, true, false, false, false]);
     });
 }
 
 #[test]
 fn a_tie_of_blocks_that_fall_together_needs_no_balls_of_many_bits() {
-    with_ladder(|attempt, mut ladder| {
+    with_cascade(|attempt, mut cascade| {
         let tie = contact(attempt, FALLING);
-        assert_eq!(ladder.ask(&NextMode { contact: tie, mode: Mode::Locked }), Some(Mode::Locked));
-        assert_eq!((ladder.levels.exact, ladder.levels.wide), (1, [0; 4]));
-        assert!(ladder.wide.iter().all(|level| matches!(level, Level::Unused)));
+        assert_eq!(cascade.ask(&NextMode { contact: tie, mode: Mode::Locked }), Some(Mode::Locked));
+        assert_eq!((cascade.levels.exact, cascade.levels.wide), (1, [0; 4]));
+        assert!(cascade.wide.iter().all(|level| matches!(level, Level::Unused)));
         // The others bear forces, which balls tell.
         let pressed = contact(attempt, [0, PRESSED[0]]);
-        assert_eq!(ladder.ask(&NextMode { contact: pressed, mode: Mode::Locked }), Some(Mode::Locked));
-        assert!(!ladder.may_move_freely(pressed) && !ladder.may_move_freely(contact(attempt, PARTING)));
-        assert_eq!((ladder.levels.exact, ladder.levels.undecided), (1, 0));
+        assert_eq!(cascade.ask(&NextMode { contact: pressed, mode: Mode::Locked }), Some(Mode::Locked));
+        assert!(!cascade.may_move_freely(pressed) && !cascade.may_move_freely(contact(attempt, PARTING)));
+        assert_eq!((cascade.levels.exact, cascade.levels.undecided), (1, 0));
     });
 }

@@ -22,7 +22,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number in f64, and how to make it in [`Wide`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Deferred {
+pub(crate) struct LazyWide {
     ball: Ball,
     /// Its note; means nothing where the ball is exact.
     note: u32,
@@ -57,7 +57,7 @@ struct Notes {
 }
 
 /// Notes kept at a time. More are made by blocks so large that nothing should be kept of every operation.
-const MOST: usize = 1 << 18;
+const MAX_NOTES: usize = 1 << 18;
 /// Notes that a thread keeps room for.
 const KEPT: usize = 1 << 15;
 
@@ -65,7 +65,7 @@ thread_local! {
     static NOTES: RefCell<Notes> = const { RefCell::new(Notes { notes: Vec::new(), known: Vec::new(), is_full: false }) };
 }
 
-/// What `work` gives, which may calculate in [`Deferred`]; `None` where it was too much to note, and what came out means nothing. Whatever is
+/// What `work` gives, which may calculate in [`LazyWide`]; `None` where it was too much to note, and what came out means nothing. Whatever is
 /// calculated there must not be used outside, and no such work begins within another.
 pub(crate) fn noted<T>(work: impl FnOnce() -> T) -> Option<T> {
     NOTES.with_borrow_mut(Notes::begin);
@@ -88,7 +88,7 @@ impl Notes {
     }
 
     fn add(&mut self, note: Note) -> u32 {
-        if self.notes.len() >= MOST {
+        if self.notes.len() >= MAX_NOTES {
             self.is_full = true;
             return 0;
         }
@@ -155,23 +155,23 @@ impl Notes {
     }
 }
 
-impl Deferred {
-    fn exact(value: f64) -> Deferred {
-        Deferred { ball: Ball::exact(value), note: 0, negated: false }
+impl LazyWide {
+    fn exact(value: f64) -> LazyWide {
+        LazyWide { ball: Ball::exact(value), note: 0, negated: false }
     }
 
     /// A number of this ball, with what to note of it unless it is exact.
-    fn new(ball: Ball, note: impl FnOnce() -> Note) -> Deferred {
+    fn new(ball: Ball, note: impl FnOnce() -> Note) -> LazyWide {
         if ball.is_exact() {
-            return Deferred { ball, note: 0, negated: false };
+            return LazyWide { ball, note: 0, negated: false };
         }
         let note = NOTES.with_borrow_mut(|notes| notes.add(note()));
-        Deferred { ball, note, negated: false }
+        LazyWide { ball, note, negated: false }
     }
 
     /// A number that is made in [`Wide`] at once.
-    fn known(ball: Ball, value: Wide) -> Deferred {
-        Deferred { ball, note: NOTES.with_borrow_mut(|notes| notes.add_known(value)), negated: false }
+    fn known(ball: Ball, value: Wide) -> LazyWide {
+        LazyWide { ball, note: NOTES.with_borrow_mut(|notes| notes.add_known(value)), negated: false }
     }
 
     fn operand(self) -> Operand {
@@ -192,64 +192,64 @@ impl Deferred {
     }
 }
 
-impl Neg for Deferred {
-    type Output = Deferred;
-    fn neg(self) -> Deferred {
-        Deferred { ball: -self.ball, negated: !self.negated, ..self }
+impl Neg for LazyWide {
+    type Output = LazyWide;
+    fn neg(self) -> LazyWide {
+        LazyWide { ball: -self.ball, negated: !self.negated, ..self }
     }
 }
 
-impl Add for Deferred {
-    type Output = Deferred;
-    fn add(self, other: Deferred) -> Deferred {
-        Deferred::new(self.ball + other.ball, || Note::Sum([self.operand(), other.operand()]))
+impl Add for LazyWide {
+    type Output = LazyWide;
+    fn add(self, other: LazyWide) -> LazyWide {
+        LazyWide::new(self.ball + other.ball, || Note::Sum([self.operand(), other.operand()]))
     }
 }
 
-impl Sub for Deferred {
-    type Output = Deferred;
-    fn sub(self, other: Deferred) -> Deferred {
+impl Sub for LazyWide {
+    type Output = LazyWide;
+    fn sub(self, other: LazyWide) -> LazyWide {
         self + -other
     }
 }
 
-impl Mul for Deferred {
-    type Output = Deferred;
-    fn mul(self, other: Deferred) -> Deferred {
-        Deferred::new(self.ball * other.ball, || Note::Product([self.operand(), other.operand()]))
+impl Mul for LazyWide {
+    type Output = LazyWide;
+    fn mul(self, other: LazyWide) -> LazyWide {
+        LazyWide::new(self.ball * other.ball, || Note::Product([self.operand(), other.operand()]))
     }
 }
 
-impl Div for Deferred {
-    type Output = Deferred;
-    fn div(self, other: Deferred) -> Deferred {
-        Deferred::new(self.ball / other.ball, || Note::Quotient([self.operand(), other.operand()]))
+impl Div for LazyWide {
+    type Output = LazyWide;
+    fn div(self, other: LazyWide) -> LazyWide {
+        LazyWide::new(self.ball / other.ball, || Note::Quotient([self.operand(), other.operand()]))
     }
 }
 
-impl PartialOrd for Deferred {
+impl PartialOrd for LazyWide {
     /// As [`Wide`] has it, and counted as there.
-    fn partial_cmp(&self, other: &Deferred) -> Option<Ordering> {
+    fn partial_cmp(&self, other: &LazyWide) -> Option<Ordering> {
         self.ball.order(other.ball).or_else(|| self.wide().partial_cmp(&other.wide()))
     }
 }
 
-impl PartialEq for Deferred {
-    fn eq(&self, other: &Deferred) -> bool {
+impl PartialEq for LazyWide {
+    fn eq(&self, other: &LazyWide) -> bool {
         self.partial_cmp(other) == Some(Ordering::Equal)
     }
 }
 
-impl Real for Deferred {
-    const ZERO: Self = Deferred { ball: Ball { middle: 0.0, radius: 0.0 }, note: 0, negated: false };
+impl Real for LazyWide {
+    const ZERO: Self = LazyWide { ball: Ball { middle: 0.0, radius: 0.0 }, note: 0, negated: false };
 
     fn from_f64(value: f64) -> Self {
-        if value.is_finite() { Deferred::exact(value) } else { Deferred::known(Ball::UNKNOWN, Wide::of_f64(value)) }
+        if value.is_finite() { LazyWide::exact(value) } else { LazyWide::known(Ball::UNKNOWN, Wide::of_f64(value)) }
     }
     fn from_number(number: &Number) -> Option<Self> {
         Some(match number.as_f64() {
-            Some(value) => Deferred::exact(value),
-            None => Deferred::known(Ball::nearest(number.approximate()), Wide::of_number(number)),
+            Some(value) => LazyWide::exact(value),
+            None => LazyWide::known(Ball::nearest(number.approximate()), Wide::of_number(number)),
         })
     }
     fn to_number(self) -> Option<Number> {
@@ -259,13 +259,13 @@ impl Real for Deferred {
         self.wide().nearest_f64()
     }
     fn sqrt(self) -> Self {
-        Deferred::new(self.ball.root(), || Note::Root(self.operand()))
+        LazyWide::new(self.ball.root(), || Note::Root(self.operand()))
     }
     fn abs(self) -> Self {
         match self.ball.order(Ball::exact(0.0)) {
             Some(Ordering::Less) => -self,
             Some(_) => self,
-            None => Deferred::new(self.ball.magnitude(), || Note::Magnitude(self.operand())),
+            None => LazyWide::new(self.ball.magnitude(), || Note::Magnitude(self.operand())),
         }
     }
     fn smaller(self, other: Self) -> Self {
@@ -275,7 +275,7 @@ impl Real for Deferred {
         match self.ball.order(other.ball) {
             Some(Ordering::Less) => other,
             Some(_) => self,
-            None => Deferred::new(self.ball.covering(other.ball), || Note::Larger([self.operand(), other.operand()])),
+            None => LazyWide::new(self.ball.covering(other.ball), || Note::Larger([self.operand(), other.operand()])),
         }
     }
     fn below(self, other: Self) -> bool {

@@ -1,4 +1,4 @@
-//! A number in f64 with a bound on its error: what decides most comparisons of [`super::Deferred`].
+//! A number in f64 with a bound on its error: what decides most comparisons of [`super::LazyWide`].
 //!
 //! Sums, products, quotients and roots that f64 holds exactly keep an exact operand's radius of nothing. The oracle has balls like these; neither
 //! side uses the other's arithmetic, so there are two.
