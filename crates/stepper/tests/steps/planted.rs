@@ -49,7 +49,7 @@ fn with_set(name: &'static str, scene: Scene) -> (&'static str, Scene, Tolerance
 }
 
 /// A golden scene with Δt four times and tan φ half as large: of the seven changes of its first attempt the sixth is one between locked and
-/// sliding. `oracle/tests/golden_steps.rs` has both scenes exactly.
+/// sliding. `oracle/tests/steps/golden_steps.rs` has both scenes exactly.
 pub(crate) fn locking_and_sliding() -> (&'static str, Scene, ToleranceSet) {
     let scenes = golden();
     let found = scenes.iter().find(|scene| scene["name"] == "fast_disp_cut").unwrap();

@@ -1,14 +1,12 @@
 //! Which contacts make a face lie on a face, an edge on a face, or parallel edges meet.
 
-mod support;
-
+use crate::support::shapes::{Prism, WEDGE, cuboid, point, revised, slab, spike, step};
 use num_rational::BigRational;
 use rockproof_model::{
     Block, Contact, ContactKey, ContactKind, EdgeId, Entrance, FaceId, Sign, ToleranceSet, VertexId,
 };
 use rockproof_oracle::combination::{Combination, JoinedFeatures, combinations};
 use rockproof_oracle::plain;
-use support::shapes::{Prism, WEDGE, cuboid, point, revised, slab, spike, step};
 
 /// The contacts that classification finds, by kind and features, and what they combine to.
 fn combined(a: &Block, b: &Block, tolerances: &ToleranceSet) -> (Vec<Contact>, Vec<Combination>) {

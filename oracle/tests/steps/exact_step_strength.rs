@@ -1,14 +1,12 @@
 //! Cohesion and tensile strength in the exact step: areas worked by hand decide, to the last digit, when a contact
 //! slides or opens.
 
-mod support;
-
+use crate::support::shapes::{block, cuboid, exact, number, point};
+use crate::support::steps::Scene;
 use num_rational::BigRational;
 use rockproof_model::simulation::{Motion, PointLoad};
 use rockproof_model::{Block, Number, Vec3};
 use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer};
-use support::shapes::{block, cuboid, exact, number, point};
-use support::steps::Scene;
 
 /// Turned about z by the angle of cosine 4/5.
 fn turned(block: &Block) -> Block {
@@ -141,7 +139,7 @@ fn cohesion_holds_what_its_area_can_hold() {
 fn a_block_whose_cohesion_holds_exactly_is_locked() {
     // One contact, a tetrahedron's tip on a slab, has faces that do not face each other: no area, so no cohesion.
     let slab = cuboid(["-4", "-4", "-1"], ["4", "4", "0"]);
-    let spike = support::shapes::spike(["0", "0", "0"]);
+    let spike = crate::support::shapes::spike(["0", "0", "0"]);
     let mut tip = scene(slab.clone(), spike, [exact("1000"), exact("0"), exact("-1000")]);
     tip.simulation.joints.other.cohesion = number("1000000000000");
     let answer = tip.step(&tip.start(), KeptPrecision::Grid { exponent: 256 });

@@ -1,13 +1,11 @@
 //! Overlaps that are bounded instead of measured, beside the same pairs measured: blocks that touch, that rounding makes overlap, that
 //! overlap deeply, whose faces rounding made uneven, and that are not convex.
 
-mod support;
-
+use crate::support::shapes::{cuboid, extruded, number, plus_sign, revised, step, tetrahedron};
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Precision, Vec3};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Auditor, BoundedOverlap, OverlapSeverity, PairAudit, rounding_depth};
-use support::shapes::{cuboid, extruded, number, plus_sign, revised, step, tetrahedron};
 
 /// Numbers below a limit, always the same ones.
 struct Choices(u64);

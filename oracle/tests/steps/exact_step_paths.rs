@@ -4,8 +4,8 @@
 
 // Longer than 400 lines: one closed form after another, each on a scene of its own.
 
-mod support;
-
+use crate::support::shapes::{Prism, WEDGE, cuboid, exact, number, point, spike};
+use crate::support::steps::Scene;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::simulation::{FixedPoint, Kinematics, Material, Motion, PointLoad};
@@ -14,8 +14,6 @@ use rockproof_oracle::step::{
     CertifiedStep, EnclosedStep, FailedAttempt, IterationEnd, KeptPrecision, Mode, RetryReason, StepFailure, StepModel,
     certified_step, enclosed_step, exact_step,
 };
-use support::shapes::{Prism, WEDGE, cuboid, exact, number, point, spike};
-use support::steps::Scene;
 
 const FINE: KeptPrecision = KeptPrecision::Grid { exponent: 128 };
 

@@ -3,8 +3,10 @@
 
 // Longer than 400 lines: blocks worked out by hand and the plain searches that hold the audit for random ones.
 
-mod support;
-
+use crate::support::random_numbers::Random;
+use crate::support::shapes::{
+    block, cuboid, exact, number, plus_sign, point, revised, slab, step, tetrahedron, turned,
+};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rockproof_model::preset::{Preset, derive};
@@ -14,8 +16,6 @@ use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{
     Audit, Auditor, Decider, Overlap, OverlapSeverity, OverlapVisibility, audit, rounding_depth,
 };
-use support::random_numbers::Random;
-use support::shapes::{block, cuboid, exact, number, plus_sign, point, revised, slab, step, tetrahedron, turned};
 
 type Place = Vec3<BigRational>;
 

@@ -1,16 +1,14 @@
 //! What a step proves about its system before it solves it: the bound that turns a residual into an enclosure holds for the block that
 //! needs it most, and none is claimed where a spring pulls.
 
-mod support;
-
+use crate::support::shapes::{cuboid, exact, number, spike};
+use crate::support::steps::Scene;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Signed;
 use rockproof_model::simulation::Motion;
 use rockproof_model::{Number, Vec3};
 use rockproof_oracle::step::{EnclosedStep, KeptPrecision, enclosed_step, first_system};
-use support::shapes::{cuboid, exact, number, spike};
-use support::steps::Scene;
 
 /// What the first solve of a scene encloses holds the exact solution; `moving` are its blocks that are not fixed. Whether it encloses
 /// anything.

@@ -1,15 +1,13 @@
 //! Closed forms that one step, and several, must reproduce to the last digit of a fraction: free fall, a damped flight, a
 //! block that rests, sticks and slides on a 3-4-5 incline, Hooke's law. And the same steps on a grid, beside the fractions.
 
-mod support;
-
+use crate::support::shapes::{block, cuboid, exact, number, point};
+use crate::support::steps::Scene;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::simulation::{Kinematics, Motion};
 use rockproof_model::{Block, Number, Sign, Vec3};
 use rockproof_oracle::step::{KeptPrecision, Mode};
-use support::shapes::{block, cuboid, exact, number, point};
-use support::steps::Scene;
 
 fn value(n: &Number) -> BigRational {
     n.to_rational()

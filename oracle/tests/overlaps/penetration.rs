@@ -1,13 +1,11 @@
 //! Depths worked by hand, ties included, and what turning, scaling and moving the blocks may not change; and random pairs
 //! beside plain searches: of all directions, of all vertices, of all pairs.
 
-mod support;
-
+use crate::support::random_numbers::Random;
+use crate::support::shapes::{block, cuboid, exact, number, point, step, tetrahedron, turn};
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Sign, Vec3};
 use rockproof_oracle::penetration::{deepest, penetration};
-use support::random_numbers::Random;
-use support::shapes::{block, cuboid, exact, number, point, step, tetrahedron, turn};
 
 fn squared(a: &Block, b: &Block) -> (Sign, BigRational) {
     let found = penetration(a, b).unwrap();

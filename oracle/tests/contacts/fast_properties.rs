@@ -3,8 +3,7 @@
 //!
 //! Kept contacts lie beyond every bound on depth that the fast path culls with: what they need is held here.
 
-mod support;
-
+use crate::support::random::{blocks, kept_choice, tolerances};
 use num_rational::BigRational;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -12,7 +11,6 @@ use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, Contact, ContactKey, ContactKind, ToleranceSet};
 use rockproof_oracle::{Pair, PreparedBlock, plain};
 use std::collections::{BTreeMap, BTreeSet};
-use support::random::{blocks, kept_choice, tolerances};
 
 fn plainly(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<(Contact, BigRational)> {
     plain::classify_with_kept(a, b, t, kept).into_iter().map(|f| (f.contact, f.gap_squared)).collect()

@@ -1,14 +1,12 @@
 //! Passages within a step: worked by hand, ties included, and random motions beside depths at many times.
 
-mod support;
-
+use crate::support::random_numbers::Random;
+use crate::support::shapes::{block, cuboid, exact, notched_cube, number, point, slab, spike, step, tetrahedron};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Vec3};
 use rockproof_oracle::passage::{PassageAnswer, PassageReport, StraightMotion, passage, swept_neighbours};
 use rockproof_oracle::penetration::penetration;
-use support::random_numbers::Random;
-use support::shapes::{block, cuboid, exact, notched_cube, number, point, slab, spike, step, tetrahedron};
 
 /// A moves by a translation, B stays.
 fn moved(a: &Block, by: [&str; 3], b: &Block, g: &str) -> PassageReport {

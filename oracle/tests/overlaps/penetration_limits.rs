@@ -1,12 +1,10 @@
 //! Depths at the limits of what f64 tells apart: pairs that a scene's search may leave out, directions that must be measured
 //! exactly, and points on the surface of blocks that are not convex.
 
-mod support;
-
+use crate::support::shapes::{block, cuboid, exact, notched_cube, number, plus_sign, point, step, tetrahedron, turned};
 use num_rational::BigRational;
 use rockproof_model::{Block, Number, Sign, Vec3};
 use rockproof_oracle::penetration::{deepest, penetration};
-use support::shapes::{block, cuboid, exact, notched_cube, number, plus_sign, point, step, tetrahedron, turned};
 
 /// The sign and the square of the gap, the same both ways round.
 fn squared(a: &Block, b: &Block) -> (Sign, BigRational) {

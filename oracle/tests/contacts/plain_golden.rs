@@ -1,14 +1,12 @@
 //! The plain path against the golden pairs, contact for contact, entrances and squared gaps included, on each backend.
 
-mod support;
-
 use num_rational::BigRational;
 use rockproof_oracle::plain;
 use rockproof_oracle::rational::Rational;
 use std::time::Instant;
 
 fn reproduces_every_pair<Q: Rational>() {
-    let pairs = support::golden::pairs();
+    let pairs = crate::support::golden::pairs();
     assert_eq!(pairs.len(), 180);
     let mut wrong = Vec::new();
     for pair in &pairs {
@@ -39,7 +37,7 @@ fn the_gmp_backend_reproduces_every_pair() {
 #[ignore = "prints timings; run with --release -- --ignored --nocapture"]
 fn time_per_pair() {
     fn time<Q: Rational>(name: &str) {
-        let pairs = support::golden::pairs();
+        let pairs = crate::support::golden::pairs();
         let start = Instant::now();
         let contacts: usize =
             pairs.iter().map(|pair| plain::classify::<Q>(&pair.a, &pair.b, &pair.tolerances).len()).sum();

@@ -1,8 +1,8 @@
 //! Friction in the exact step against closed forms: a block between a floor and a ceiling, whose eight corners press alike, so that
 //! nothing turns it. Slips that end, turn, swing sideways and settle; solves that are counted; Δt that grows; contacts that are kept.
 
-mod support;
-
+use crate::support::shapes::{cuboid, exact, number, point};
+use crate::support::steps::Scene;
 use num_rational::BigRational;
 use rockproof_model::simulation::{Body, Motion};
 use rockproof_model::{EntranceKind, Number, Point, Vec3};
@@ -10,8 +10,6 @@ use rockproof_oracle::step::{
     ContactMemory, IterationEnd, KeptPrecision, Mode, RetryReason, State, StepAnswer, StepFailure, enclosed_step,
     exact_step, first_system, friction_margins, mode_margins,
 };
-use support::shapes::{cuboid, exact, number, point};
-use support::steps::Scene;
 
 /// N/m: the shear spring of each corner, half of its normal spring.
 const SHEAR: &str = "500000000";

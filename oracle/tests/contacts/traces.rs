@@ -1,14 +1,12 @@
 //! What traces and margins say, on pairs small enough to know every sign by hand: which decisions are made, which of them are ties,
 //! and which signs count for which decision.
 
-mod support;
-
+use crate::support::shapes::{classic, cuboid, revised, slab, spike, tetrahedron};
 use num_rational::BigRational;
 use rockproof_model::decision::Feature::{Edge, Face, Vertex};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, Contact, ContactKey, EdgeId, Entrance, FaceId, Sign, ToleranceSet, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock, TraceEntry, plain};
-use support::shapes::{classic, cuboid, revised, slab, spike, tetrahedron};
 
 const A: Side = Side::A;
 const B: Side = Side::B;

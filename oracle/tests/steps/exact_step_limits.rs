@@ -1,15 +1,13 @@
 //! The limits of a contact's mode, each at a value that only it can have decided: εc for closing, εo for opening, ε of Eq. (1) at a tie;
 //! how close a contact came to them; blocks as far apart as contacts are recorded; and a step without unknowns.
 
-mod support;
-
+use crate::support::shapes::{cuboid, exact, number, point};
+use crate::support::steps::Scene;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::simulation::Motion;
 use rockproof_model::{Block, Number};
 use rockproof_oracle::step::{KeptPrecision, Mode, ModeMargin, enclosed_step, mode_margins};
-use support::shapes::{cuboid, exact, number, point};
-use support::steps::Scene;
 
 /// A cube over a fixed slab, weightless and `gap` apart, with this velocity in z.
 fn cube(gap: &str, velocity: &str) -> Scene {

@@ -1,15 +1,13 @@
 //! The plain path against the hand-worked cases, on each backend, and its trace: every predicate must have been seen to
 //! say no, to say yes and to tie, or the cases test less than they claim.
 
-mod support;
-
+use crate::support::handworked::{Case, cases};
 use num_rational::BigRational;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Contact, ContactKey, EdgeId, FaceId, Sign, VertexId};
 use rockproof_oracle::plain;
 use rockproof_oracle::rational::Rational;
 use std::collections::{BTreeMap, BTreeSet};
-use support::handworked::{Case, cases};
 
 fn found<Q: Rational>(case: &Case) -> Vec<(Contact, BigRational)> {
     plain::classify_with_kept::<Q>(&case.a, &case.b, &case.tolerances, &case.kept)

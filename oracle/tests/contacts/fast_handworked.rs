@@ -1,15 +1,13 @@
 //! The fast path against the hand-worked pairs: ties at every tolerance, both criteria, concave blocks; and decision by
 //! decision against the plain path.
 
-mod support;
-
+use crate::support::handworked;
+use crate::support::shapes::{Prism, WEDGE, revised, slab, spike};
 use num_rational::BigRational;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, EdgeId, ToleranceSet, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock, plain};
 use std::collections::BTreeMap;
-use support::handworked;
-use support::shapes::{Prism, WEDGE, revised, slab, spike};
 
 #[test]
 fn every_hand_worked_pair_comes_out() {

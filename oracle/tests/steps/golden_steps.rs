@@ -1,8 +1,8 @@
 //! Every step of the 42 scenes that an independent implementation of SPEC section 5 worked out: attempts, Δt, solves, contacts, modes,
 //! gaps, vertices and velocities.
 
-mod support;
-
+use crate::support::golden_steps::{GoldenScene, GoldenStep, scenes};
+use crate::support::shapes::exact;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed};
@@ -14,8 +14,6 @@ use rockproof_oracle::step::{
 };
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use support::golden_steps::{GoldenScene, GoldenStep, scenes};
-use support::shapes::exact;
 
 /// The grid of the witness.
 const KEEP: KeptPrecision = KeptPrecision::Grid { exponent: 252 };

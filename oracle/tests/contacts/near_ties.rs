@@ -3,14 +3,12 @@
 //!
 //! Caught so far: nothing; it is here for the bounds of the f64 path, which most other pairs never come near.
 
-mod support;
-
+use crate::support::handworked;
+use crate::support::random_numbers::Random;
+use crate::support::shapes::{block, cuboid, number, point, revised, slab, spike};
 use num_rational::BigRational;
 use rockproof_model::{Block, ContactKind, Number, Point, Precision, Sign, ToleranceSet, Vec3};
 use rockproof_oracle::{LevelCounts, Pair, PreparedBlock, plain};
-use support::handworked;
-use support::random_numbers::Random;
-use support::shapes::{block, cuboid, number, point, revised, slab, spike};
 
 const ROUNDS: u64 = 2;
 const FULL_ROUNDS: u64 = 8;

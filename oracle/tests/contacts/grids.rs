@@ -3,8 +3,7 @@
 //!
 //! Caught so far: nothing; random pairs seldom come to these places.
 
-mod support;
-
+use crate::support::shapes::{number, revised, spike, tetrahedron};
 use num_rational::BigRational;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{
@@ -12,7 +11,6 @@ use rockproof_model::{
 };
 use rockproof_oracle::{Pair, PreparedBlock, plain};
 use std::collections::BTreeSet;
-use support::shapes::{number, revised, spike, tetrahedron};
 
 /// Outlines in half metres, counter-clockwise: an L, a U, a plus, and a notch with slanting sides.
 const OUTLINES: [&[[i32; 2]]; 4] = [

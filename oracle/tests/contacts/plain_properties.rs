@@ -1,8 +1,10 @@
 //! What must hold of any pair: the backends agree decision by decision, exchanging, moving and scaling the blocks changes
 //! nothing but names and lengths, and blocks that rounding has made degenerate still have an answer.
 
-mod support;
-
+use crate::support::random::{blocks, kept_choice, tolerances};
+use crate::support::shapes::{
+    classic, exact, flat_corner, flat_corner_upside_down, number, point, revised, slab, spike,
+};
 use num_rational::BigRational;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -12,8 +14,6 @@ use rockproof_model::{
     Vec3, VertexId,
 };
 use rockproof_oracle::plain::{self, ExactContact};
-use support::random::{blocks, kept_choice, tolerances};
-use support::shapes::{classic, exact, flat_corner, flat_corner_upside_down, number, point, revised, slab, spike};
 
 fn classified(a: &Block, b: &Block, t: &ToleranceSet) -> Vec<ExactContact<BigRational>> {
     plain::classify(a, b, t)

@@ -1,14 +1,11 @@
 //! The fast path against the golden pairs: contacts, entrances, and gaps as exact squares.
 
-#[path = "../../tests/golden/golden_contacts.rs"]
-mod golden;
-
 use rockproof_oracle::{Pair, PreparedBlock};
 
 #[test]
 fn reproduces_every_golden_pair() {
     let mut wrong = Vec::new();
-    for golden in golden::pairs() {
+    for golden in crate::support::golden::pairs() {
         let (a, b) = (PreparedBlock::new(&golden.a), PreparedBlock::new(&golden.b));
         let pair = Pair::new(&a, &b);
         let found: Vec<_> = pair

@@ -1,12 +1,10 @@
 //! Classifications that depart from SPEC in one respect: nothing changes where the respect does not come up, and what changes is that.
 
-mod support;
-
+use crate::support::handworked;
+use crate::support::shapes::{classic, slab, spike};
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Contact, Sign};
 use rockproof_oracle::{Pair, PreparedBlock, RuleVariant};
-use support::handworked;
-use support::shapes::{classic, slab, spike};
 
 /// How many answers change under a variant, and how many do where it does not come up.
 struct Changed {

@@ -1,0 +1,10 @@
+//! Overlaps of two blocks, passages between two states, and the audit of steps.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod audit;
+mod audit_bounded;
+mod passage;
+mod penetration;
+mod penetration_limits;
