@@ -13,7 +13,7 @@ crate::named_enum! {
     /// A way to derive a tolerance set from blocks.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Preset: from_name, Display {
-        /// A set that meets every rule of [`rules`], with the revised criteria.
+        /// A set that meets every rule of [`tolerance_rules`], with the revised criteria.
         Auto = "auto",
         /// Shi's customary choices, in shares of half the model's height, with the classic criteria.
         Shi = "shi",

@@ -1,7 +1,7 @@
 //! The comparisons of the open–close iteration and of step control (SPEC section 5), one small method each; areas of joints (5.15) and the smallest
 //! Δt are compared where they are used.
 //!
-//! As in [`crate::contact::rules`], the trait exists so that a test can plant one deliberate mistake at a time.
+//! As in [`crate::contact::contact_rules`], the trait exists so that a test can plant one deliberate mistake at a time.
 
 use crate::contact::{ContactRules, SpecRules};
 use crate::dynamics::compiled::CompiledSteps;
