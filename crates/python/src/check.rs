@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use rockproof_model::text::noun;
 use rockproof_model::{Block, Precision, ToleranceSet, Violation as BrokenRule, tolerance_rules};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::audit::{Audit, Auditor, OverlapSeverity, Overlap as FoundOverlap, rounding_depth};
+use rockproof_oracle::audit::{Audit, Auditor, Overlap as FoundOverlap, OverlapSeverity, rounding_depth};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A rule that the tolerances break.
@@ -202,7 +202,8 @@ pub(crate) fn check(
         let violations: Vec<Violation> =
             tolerance_rules::check_scene(&set, &model.scene, precision).iter().map(Violation::from).collect();
         let (overlaps, neighbours) = overlaps(&shapes, &set, stop);
-        let is_sound = violations.is_empty() && overlaps.iter().all(|overlap| overlap.meaning != OverlapSeverity::Lost.name());
+        let is_sound =
+            violations.is_empty() && overlaps.iter().all(|overlap| overlap.meaning != OverlapSeverity::Lost.name());
         let fall = tolerance_rules::fall(&set, &model.scene).map(|fall| {
             let tolerance_rules::Fall { block, weight, height, stiffness, needed, depth, allowed, remedy } = fall;
             Fall { block, weight, height, stiffness, needed, depth, allowed, remedy }
