@@ -23,7 +23,7 @@ use super::metamorphic;
 use super::separation_state::ReportedState;
 use super::subject::{NamedSet, Subject};
 use super::transform::ExactBlocks;
-use rockproof_model::{Block, Contact, ContactKey, Precision, ToleranceSet};
+use rockproof_model::{Block, Contact, ExpectedContact, Precision, ToleranceSet};
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -582,14 +582,13 @@ fn compared<'x>(subject: &'x Subject, set: &'x NamedSet, span: ChainSpan, engine
 
 /// Whether two answers differ in the contacts a difference is about.
 pub(super) fn answers_differ(one: &[Contact], other: &[Contact], about: &Difference) -> bool {
-    let find = |answer: &[Contact], key: ContactKey| answer.iter().find(|contact| contact.key == key).copied();
-    about.keys().any(|key| find(one, key) != find(other, key))
+    about.keys().any(|key| Contact::find(one, key) != Contact::find(other, key))
 }
 
 /// What an exact answer has in the places of differences.
-pub(super) fn expected(differences: &[Difference], exact: &[Contact]) -> Vec<(ContactKey, Option<Contact>)> {
+pub(super) fn expected(differences: &[Difference], exact: &[Contact]) -> Vec<ExpectedContact> {
     let keys = differences.iter().flat_map(Difference::keys);
-    keys.map(|key| (key, exact.iter().find(|contact| contact.key == key).copied())).collect()
+    keys.map(|key| (key, Contact::find(exact, key))).collect()
 }
 
 /// The trace of an engine as a list, for callers that show it.

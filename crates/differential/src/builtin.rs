@@ -8,10 +8,10 @@ use super::engine::{
 use super::finding::{Finding, FindingScope};
 use super::indexed_trace::IndexedTrace;
 use rockproof_model::decision::Decision;
-use rockproof_model::{Block, Contact, ContactKey, Precision, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, ExpectedContact, Precision, ToleranceSet};
 
 use rockproof_stepper::contact::{ContactRules, PreparedBlock, SpecRules, Tolerances, classify, classify_traced};
-use rockproof_stepper::engine::{ExpectedContact, settled_contacts, settled_departures};
+use rockproof_stepper::engine::{settled_contacts, settled_departures};
 use rockproof_stepper::{Collapsed, Real};
 use std::marker::PhantomData;
 

@@ -8,7 +8,7 @@ use super::finding::Cause;
 use super::indexed_trace::IndexedTrace;
 use super::separation_state::ReportedState;
 use rockproof_model::decision::Decision;
-use rockproof_model::{Block, Contact, ContactKey, Precision, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, ExpectedContact, Precision, ToleranceSet, unexpected_contacts};
 use serde::{Deserialize, Serialize};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -160,15 +160,9 @@ pub trait Prepared {
 
     /// Those of the contacts asked for that [`Prepared::classify_wide`] has otherwise than expected, which is `None` where there should be no
     /// such contact; none where its answer is not settled.
-    fn departs_in_wide(
-        &self,
-        tolerances: &ToleranceSet,
-        expected: &[(ContactKey, Option<Contact>)],
-    ) -> Option<Vec<ContactKey>> {
+    fn departs_in_wide(&self, tolerances: &ToleranceSet, expected: &[ExpectedContact]) -> Option<Vec<ContactKey>> {
         let wide = self.classify_wide(tolerances)?;
-        let find = |key: ContactKey| wide.contacts.iter().find(|contact| contact.key == key).copied();
-        let departs = |(key, contact): &&(ContactKey, Option<Contact>)| wide.settled && find(*key) != *contact;
-        Some(expected.iter().filter(departs).map(|(key, _)| *key).collect())
+        Some(if wide.settled { unexpected_contacts(&wide.contacts, expected) } else { Vec::new() })
     }
 }
 

@@ -226,7 +226,21 @@ pub struct Contact {
     pub gap: Sign,
 }
 
+/// A contact that is asked for, and what it is where it is as expected; `None` where there should be none.
+pub type ExpectedContact = (ContactKey, Option<Contact>);
+
+/// Those of the contacts asked for that an answer has otherwise than expected.
+pub fn unexpected_contacts(answer: &[Contact], expected: &[ExpectedContact]) -> Vec<ContactKey> {
+    let differs = |(key, contact): &&ExpectedContact| Contact::find(answer, *key) != *contact;
+    expected.iter().filter(differs).map(|(key, _)| *key).collect()
+}
+
 impl Contact {
+    /// The contact of these features in an answer.
+    pub fn find(answer: &[Contact], key: ContactKey) -> Option<Contact> {
+        answer.iter().find(|contact| contact.key == key).copied()
+    }
+
     /// Which kinds of feature touch.
     #[inline]
     pub fn kind(self) -> ContactKind {

@@ -27,7 +27,7 @@ pub mod vector;
 pub mod vtu;
 
 pub use block::{Block, BlockError, BlockOptions, Bounds, Merged, Merging, Point};
-pub use contact::{Contact, ContactKey, ContactKind, Entrance, EntranceKind};
+pub use contact::{Contact, ContactKey, ContactKind, Entrance, EntranceKind, ExpectedContact, unexpected_contacts};
 pub use number::{Number, NumberError, Precision};
 pub use preset::{Preset, PresetError};
 pub use ring::Ring;

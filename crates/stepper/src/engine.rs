@@ -7,7 +7,7 @@ use crate::contact::{
 use crate::lazy_wide::{LazyWide, noted};
 use crate::real::Real;
 use crate::wide::{Wide, count_unsettled, settled};
-use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, ExpectedContact, ToleranceSet, unexpected_contacts};
 use std::marker::PhantomData;
 
 /// Classifies a pair in each precision of the stepper, preparation included. Object safe, so that steppers with
@@ -117,9 +117,6 @@ pub fn settled_contacts<M: ContactRules>(
     sooner.unwrap_or_else(|| settled(|| contacts_in::<Wide, M>(a, b, t))).transpose()
 }
 
-/// A contact that is asked for, and what it is where it is as expected; `None` where there should be none.
-pub type ExpectedContact = (ContactKey, Option<Contact>);
-
 /// Those of the contacts asked for that [`settled_contacts`] has otherwise than expected; none where a comparison is unsettled.
 ///
 /// That is found out sooner than by all contacts: those asked for are tested first, by themselves. If a comparison of theirs is unsettled, so is
@@ -134,7 +131,7 @@ pub fn settled_departures<M: ContactRules>(
     expected: &[ExpectedContact],
 ) -> Result<Vec<ContactKey>, EngineError> {
     let sooner = noted(|| settled(|| departures_in_turn::<M>(a, b, t, expected)));
-    let all = || settled(|| Ok(departures(&contacts_in::<Wide, M>(a, b, t)?, expected)));
+    let all = || settled(|| Ok(unexpected_contacts(&contacts_in::<Wide, M>(a, b, t)?, expected)));
     sooner.unwrap_or_else(all).unwrap_or(Ok(Vec::new()))
 }
 
@@ -156,12 +153,7 @@ fn departures_in_turn<M: ContactRules>(
         return Ok(Vec::new());
     }
     let contacts: Vec<Contact> = classified().into_iter().map(|found| found.contact).collect();
-    Ok(departures(&contacts, expected))
-}
-
-fn departures(contacts: &[Contact], expected: &[ExpectedContact]) -> Vec<ContactKey> {
-    let find = |key: ContactKey| contacts.iter().find(|contact| contact.key == key).copied();
-    expected.iter().filter(|(key, contact)| find(*key) != *contact).map(|(key, _)| *key).collect()
+    Ok(unexpected_contacts(&contacts, expected))
 }
 
 /// Prepares and classifies a pair in one precision, in a step in which the contacts `kept` go on whatever their depth.

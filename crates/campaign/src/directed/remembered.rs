@@ -11,7 +11,7 @@ pub(crate) struct Remembered<T> {
 }
 
 /// The values kept at most; where there can be more, few are asked for twice, and each is worked out anew.
-const MOST: usize = 1 << 12;
+const MAX_VALUES: usize = 1 << 12;
 
 impl<T: Clone> Remembered<T> {
     /// For numbers below `rows` and `columns`.
@@ -21,7 +21,7 @@ impl<T: Clone> Remembered<T> {
 
     /// The value of two numbers, by `make` unless it is known.
     pub(crate) fn get(&self, row: usize, column: usize, make: impl FnOnce() -> T) -> T {
-        if self.places > MOST {
+        if self.places > MAX_VALUES {
             return make();
         }
         let place = row * self.columns + column;
@@ -40,12 +40,12 @@ impl<T: Clone> Remembered<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST, Remembered};
+    use super::{MAX_VALUES, Remembered};
     use std::cell::Cell;
 
     #[test]
     fn each_value_is_its_own_and_made_once_unless_there_are_too_many() {
-        for (rows, columns) in [(3, 5), (5, 3), (1, MOST + 1)] {
+        for (rows, columns) in [(3, 5), (5, 3), (1, MAX_VALUES + 1)] {
             let (known, made) = (Remembered::new(rows, columns), Cell::new(0));
             for _ in 0..2 {
                 for row in 0..rows {
@@ -58,7 +58,7 @@ mod tests {
                     }
                 }
             }
-            assert_eq!(made.get(), rows * columns * if rows * columns > MOST { 2 } else { 1 });
+            assert_eq!(made.get(), rows * columns * if rows * columns > MAX_VALUES { 2 } else { 1 });
         }
     }
 }

@@ -6,9 +6,9 @@ use crate::pairs::{
     beak, behind_side, beside_edge, blade, block, classic, corner_block, cuboid, keel, long_ridge, n, prism, ridge,
     shifted_keel, spike, tetrahedron, tolerances, turned_cuboid, undercut,
 };
-use rockproof_model::{Block, Contact, ContactKey, ContactKind, ToleranceSet};
+use rockproof_model::{Block, Contact, ContactKey, ContactKind, ExpectedContact, ToleranceSet};
 use rockproof_stepper::contact::SpecRules;
-use rockproof_stepper::engine::{ExpectedContact, contacts_with_kept};
+use rockproof_stepper::engine::contacts_with_kept;
 use rockproof_stepper::{Classifier, Stepper, Wide};
 use std::collections::BTreeSet;
 

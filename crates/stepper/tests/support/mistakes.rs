@@ -9,8 +9,8 @@ mod mistaken_rules;
 
 use Mistake::*;
 use mistaken_rules::MistakenRules;
-use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
-use rockproof_stepper::engine::{ExpectedContact, contacts_with_kept, settled_contacts, settled_departures};
+use rockproof_model::{Block, Contact, ContactKey, ExpectedContact, ToleranceSet};
+use rockproof_stepper::engine::{contacts_with_kept, settled_contacts, settled_departures};
 use rockproof_stepper::{Classifier, EngineError, Real, Stepper};
 use std::cell::Cell;
 
