@@ -8,7 +8,7 @@ use crate::real::Real;
 use crate::vector::Vector;
 
 /// Pairs of features are found for coordinates within this share of `search` of where they are. A smaller share leaves out more pairs for a shorter
-/// time (docs/performance.md has what others gave).
+/// time (docs/performance_changes.md has what others gave).
 const SKIN_SHARE: f64 = 1.0 / 128.0;
 /// They are found after so many looks at all pairs: to find them costs about as much.
 const LOOKS_BEFORE_LISTING: u8 = 6;
