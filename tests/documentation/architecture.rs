@@ -18,7 +18,7 @@ const REASON: &str = "// Longer than 400 lines: ";
 
 /// The crates of the workspace and those of its own that each may depend on. Cargo refuses every import that is not listed in a
 /// manifest; this table says which manifests are right. The rule above all others: oracle and stepper know the model alone.
-const MAY_DEPEND_ON: [(&str, &[&str]); 15] = [
+const MAY_DEPEND_ON: [(&str, &[&str]); 17] = [
     ("model", &[]),
     ("oracle", &["model"]),
     ("stepper", &["model"]),
@@ -31,6 +31,9 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 15] = [
     ("bench", &["model", "oracle", "stepper", "differential", "campaign", "results"]),
     ("report", &["model", "oracle", "simulate", "differential", "campaign", "gate", "results"]),
     ("examine", &["model", "oracle", "stepper", "simulate", "differential", "tune", "report", "results"]),
+    // Tests alone.
+    ("model-tests", &[]),
+    ("stepper-tests", &[]),
     // The stepper against closed forms, and the exact side against itself. Nothing depends on it but fuzz targets, tests and examples.
     ("validation", &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign", "bench"]),
     // Nothing depends on it but tests and examples.
@@ -68,6 +71,9 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 15] = [
         ],
     ),
 ];
+
+/// Crates that only tests need, or that hold tests alone.
+const NOT_PUBLISHED: [&str; 4] = ["fuzz", "validation", "model-tests", "stepper-tests"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -278,6 +284,8 @@ fn published() -> Vec<PathBuf> {
     let folders = MAY_DEPEND_ON.into_iter().map(|(name, _)| match name {
         "rockproof" => root().to_path_buf(),
         "oracle" => root().join("oracle"),
+        "model-tests" => root().join("crates/model/tests"),
+        "stepper-tests" => root().join("crates/stepper/tests"),
         name => root().join("crates").join(name),
     });
     let is_published = |folder: &PathBuf| {
@@ -330,7 +338,7 @@ fn programs_are_started_in_one_place() {
 fn packages_hold_what_their_sources_include() {
     let mut included = 0;
     let published = published();
-    assert_eq!(published.len(), MAY_DEPEND_ON.len() - 2, "fuzz and validation are for tests");
+    assert_eq!(published.len(), MAY_DEPEND_ON.len() - NOT_PUBLISHED.len(), "{NOT_PUBLISHED:?} are for tests");
     for folder in published {
         assert!(folder.join("README.md").is_file(), "{}", folder.display());
         let manifest: toml::Table =
@@ -365,9 +373,11 @@ fn all_crates_have_one_version() {
     let manifest: toml::Table = toml::from_str(&std::fs::read_to_string(root().join("Cargo.toml")).unwrap()).unwrap();
     let version = &manifest["workspace"]["package"]["version"];
     let own = manifest["workspace"]["dependencies"].as_table().unwrap().iter();
-    let is_published = |name: &str| !["rockproof-fuzz", "rockproof-validation"].contains(&name);
-    let own: Vec<_> = own.filter(|(name, _)| name.starts_with("rockproof-") && is_published(name)).collect();
-    assert_eq!(own.len(), MAY_DEPEND_ON.len() - 3);
+    let is_published =
+        |name: &str| name.strip_prefix("rockproof-").is_some_and(|short| !NOT_PUBLISHED.contains(&short));
+    let own: Vec<_> = own.filter(|(name, _)| is_published(name)).collect();
+    // The program itself is nobody's dependency.
+    assert_eq!(own.len(), MAY_DEPEND_ON.len() - NOT_PUBLISHED.len() - 1);
     for (name, dependency) in own {
         assert_eq!(dependency.get("version"), Some(version), "{name}");
     }

@@ -8,7 +8,7 @@ use rockproof_model::{LoadOptions, Merged, Number, Scene, VertexId};
 use std::path::{Path, PathBuf};
 
 fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fixtures").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../tests/fixtures").join(name)
 }
 
 fn with_weld(distance: &str) -> LoadOptions {

@@ -9,11 +9,11 @@ use rockproof_model::{
 use std::path::{Path, PathBuf};
 
 fn real(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/real").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../cases/real").join(name)
 }
 
 fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fixtures").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../tests/fixtures").join(name)
 }
 
 fn number(text: &str) -> Number {

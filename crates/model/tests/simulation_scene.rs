@@ -210,7 +210,7 @@ proptest! {
 
 #[test]
 fn handmade_cases_load_and_meet_every_rule() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/handmade");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../cases/handmade");
     let mut count = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

@@ -101,7 +101,7 @@ impl Copy {
         std::fs::copy(root.join("Cargo.lock"), tree.join("Cargo.lock")).unwrap();
         let manifest = std::fs::read_to_string(root.join("Cargo.toml")).unwrap();
         let (workspace, _) = manifest.split_once("\n[package]").expect("the root is a package as well");
-        let members = r#"members = ["oracle", "crates/*"]"#;
+        let members = r#"members = ["oracle", "crates/*", "crates/model/tests", "crates/stepper/tests"]"#;
         assert!(workspace.contains(members), "the workspace has other members");
         let workspace = workspace.replace(members, r#"members = ["oracle", "crates/model"]"#);
         let default = workspace.lines().filter(|line| !line.starts_with("default-members"));

@@ -21,7 +21,7 @@ use std::path::Path;
 
 /// The scenes of the file.
 pub(crate) fn golden() -> Vec<Value> {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/golden/golden_steps.json");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../tests/golden/golden_steps.json");
     let text = std::fs::read_to_string(file).unwrap();
     serde_json::from_str(&text).unwrap()
 }

@@ -61,7 +61,7 @@ pub(crate) fn locking_and_sliding() -> (&'static str, Scene, ToleranceSet) {
 
 /// The handmade dominoes with Δt twice and tan φ four times as large: friction locks and slides until the first attempt is given up.
 fn steep_dominoes() -> (&'static str, Scene, ToleranceSet) {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/handmade/dominoes.toml");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../cases/handmade/dominoes.toml");
     let mut scene = Scene::load(Path::new(file)).unwrap();
     scene.simulation.control.time_step = n("1/200");
     scene.simulation.joints.other.friction = n("12/5");

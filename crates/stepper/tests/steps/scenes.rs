@@ -170,7 +170,7 @@ fn the_slope_holds_the_blocks_of_its_file() {
         all
     };
     let (cut, _) = handmade("slope_failure.toml", Precision::F64);
-    let file = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/real/slope_joints.dda")).unwrap();
+    let file = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../cases/real/slope_joints.dda")).unwrap();
     let (cut_blocks, file_blocks) = (corners(&cut), corners(&file));
     assert_eq!((cut_blocks.len(), file_blocks.len(), file.blocks.len()), (16, 6, 16));
     let close = |a: &[[i64; 3]], b: &[[i64; 3]]| a.iter().zip(b).all(|(a, b)| (0..3).all(|k| (a[k] - b[k]).abs() <= 1));

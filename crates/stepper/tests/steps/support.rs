@@ -76,7 +76,7 @@ pub(crate) fn run<R: Solve>(scene: &Scene, steps: usize) -> (Dynamics<R>, Vec<St
 
 /// A scene of `cases/handmade` with its tolerances.
 pub(crate) fn handmade(name: &str, precision: Precision) -> (Scene, ToleranceSet) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/handmade").join(name);
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../cases/handmade").join(name);
     let scene = Scene::load(file).unwrap();
     let set = scene.tolerances.clone().unwrap().derive(&scene.shapes(), precision).unwrap();
     (scene, set)
