@@ -129,6 +129,8 @@ pub fn throughput(run: &ThroughputRun, scratch: &Path) -> Result<Throughput, Thr
         seed: run.seed,
         engines: names.to_vec(),
         cases_per_fingerprint: 0,
+        // Nor of the finding furthest from a tie.
+        cases_per_cause: 0,
         ..CampaignConfig::default()
     };
     let panel = builtin::panel(&names, config.metamorphic_every).map_err(ThroughputError::Engine)?;

@@ -33,7 +33,7 @@ pub(crate) mod edges;
 pub(crate) mod exact;
 pub(crate) mod f64_view;
 pub(crate) mod faces;
-mod remembered;
+pub(crate) mod remembered;
 pub(crate) mod vertices;
 
 use self::remembered::Remembered;

@@ -104,19 +104,13 @@ impl Examiner for InProcess<'_> {
 
     fn examine(&mut self, pairs: Range<u64>) -> Result<Option<(Counts, Self::Found)>, RunError> {
         let (campaign, batch_len, end) = (self.campaign, self.campaign.source.batch_len(), pairs.end);
-        let batches: Option<Vec<BatchResult>> = self.pool.install(|| {
+        // Added up by the threads as well, neighbours to neighbours, so that findings stay in the order of indices.
+        let all: Option<BatchResult> = self.pool.install(|| {
             let numbers = (pairs.start / batch_len..end.div_ceil(batch_len)).into_par_iter();
-            numbers.map(|number| campaign.batch(number, end, &self.seen, self.stopped)).collect()
+            let batches = numbers.map(|number| campaign.batch(number, end, &self.seen, self.stopped));
+            batches.try_reduce(BatchResult::default, |before, after| Some(before.with(after)))
         });
-        Ok(batches.map(|batches| {
-            let (mut counts, mut findings, mut stepped) = (Counts::default(), Vec::new(), Vec::new());
-            for batch in batches {
-                counts.add(batch.counts);
-                findings.extend(batch.findings);
-                stepped.extend(batch.stepped);
-            }
-            (counts, (findings, stepped))
-        }))
+        Ok(all.map(|all| (all.counts, (all.findings, all.stepped))))
     }
 
     fn choose(&mut self, (findings, stepped): Self::Found, progress: &mut CampaignProgress) -> Chosen {

@@ -7,15 +7,17 @@ mod search;
 
 use crate::directed::exact::IntegerRoot;
 use crate::directed::f64_view::quantum;
+use crate::directed::remembered::Remembered;
 use crate::directed::{DirectedPair, Rung};
 use crate::families::PairSampler;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Signed;
-use rockproof_model::decision::Decision;
+use rockproof_model::decision::{Decision, Side};
 use rockproof_model::number::round_rational;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Number, Precision, Sign, ToleranceSet};
+use rockproof_model::{Block, EdgeId, FaceId, Number, Precision, Sign, ToleranceSet};
+use std::rc::Rc;
 
 /// The tolerances that classification uses, as they are named in files.
 pub const TOLERANCES: [&str; 6] = ["search", "territory", "penetration", "overlap_sine", "parallel_sine", "equal"];
@@ -98,16 +100,62 @@ impl Critical {
 /// How many numbers name kinds of decision: each kind that a tolerance settles has its share of them.
 pub const KINDS: u64 = 60;
 
-/// Chooses a decision of the pair that `tolerance`, one of its set's, settles, of one kind (below [`KINDS`]), and finds the critical value.
-/// Decisions that do not depend on where B is may ask for B to be moved to where they are asked. `None` where the pair has no such decision, or
-/// the value is out of all proportion.
-pub(crate) fn critical(
-    sampler: &mut PairSampler<'_>,
-    pair: &DirectedPair<'_>,
-    (tolerance, kind): (&'static str, u64),
-) -> Option<Critical> {
-    let set = pair.set;
-    let (decision, squared, offset) = search::found(sampler, pair, (tolerance, kind))?;
+/// The square of a critical value; `None` where features have none.
+type CriticalSquare = Option<Rc<BigRational>>;
+
+/// A pair, a tolerance of its set, and one kind of decision (below [`KINDS`]) that the tolerance settles. Draws come upon the same features again and
+/// again; what does not depend on where B is, is kept of them.
+pub(crate) struct LadderPair<'p> {
+    directed: DirectedPair<'p>,
+    tolerance: &'static str,
+    kind: u64,
+    /// Of an edge of A and one of B.
+    by_edges: Remembered<CriticalSquare>,
+    /// Of a vertex of each side and a face of the other, or of an edge and a face: a kind of decision asks the one or the other.
+    by_face: [Remembered<CriticalSquare>; 2],
+    /// Whether the areas of two faces of each side have a rational ratio.
+    area_ratios: [Remembered<bool>; 2],
+}
+
+impl<'p> LadderPair<'p> {
+    pub(crate) fn new(
+        (a, b): (&'p Block, &'p Block),
+        set: &'p ToleranceSet,
+        (tolerance, kind): (&'static str, u64),
+    ) -> LadderPair<'p> {
+        let [(edges_a, faces_a), (edges_b, faces_b)] =
+            [a, b].map(|block| (block.topology().edges().len(), block.topology().faces().len()));
+        LadderPair {
+            directed: DirectedPair::new(a, b, set),
+            tolerance,
+            kind,
+            by_edges: Remembered::new(edges_a, edges_b),
+            by_face: [Remembered::new(edges_a, faces_b), Remembered::new(edges_b, faces_a)],
+            area_ratios: [faces_a, faces_b].map(|faces| Remembered::new(faces, faces)),
+        }
+    }
+
+    /// Of an edge of A and one of B.
+    fn of_edges(&self, (ea, eb): (EdgeId, EdgeId), make: impl FnOnce() -> Option<BigRational>) -> CriticalSquare {
+        self.by_edges.get(ea.index(), eb.index(), || make().map(Rc::new))
+    }
+
+    /// Of a vertex or an edge of a side, by its number, and a face of the other.
+    fn of_face(
+        &self,
+        (side, number): (Side, usize),
+        face: FaceId,
+        make: impl FnOnce() -> Option<BigRational>,
+    ) -> CriticalSquare {
+        self.by_face[side as usize].get(number, face.index(), || make().map(Rc::new))
+    }
+}
+
+/// Chooses a decision of the pair, and finds the critical value. Decisions that do not depend on where B is may ask for B to be moved to where they are
+/// asked. `None` where the pair has no such decision, or the value is out of all proportion.
+pub(crate) fn critical(sampler: &mut PairSampler<'_>, pair: &LadderPair<'_>) -> Option<Critical> {
+    let (set, tolerance) = (pair.directed.set, pair.tolerance);
+    let (decision, squared, offset) = search::found(sampler, pair)?;
     let mut critical = Critical::new(decision, tolerance, squared)?;
     let moved = offset.iter().any(|c| *c != 0.0);
     critical.offset = moved.then(|| offset.map(|c| Number::from_f64(c).unwrap_or(Number::ZERO)));
@@ -122,4 +170,44 @@ pub(crate) fn critical(
         _ => value <= 0.95,
     };
     fits.then_some(critical)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::families::{self, CoordinateStyle};
+    use crate::tolerance_sets::SetSource;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+    use rockproof_model::Criteria;
+
+    /// Many tries with one pair, and as many each with a pair that knows nothing: the same values at the same places, and the same draws.
+    #[test]
+    fn what_is_kept_is_what_would_be_worked_out() {
+        let mut found = std::collections::BTreeMap::new();
+        for (number, family) in families::all().into_iter().enumerate() {
+            let mut rng = ChaCha8Rng::seed_from_u64(number as u64);
+            let (a, b) = family.generate(&mut rng);
+            for criteria in [Criteria::Revised, Criteria::Classic] {
+                let Some(named) = SetSource::dyadic(criteria).derive(&a, &b) else { continue };
+                let set =
+                    if criteria == Criteria::Revised { crate::tolerance_sets::steep(&named, &a, &b) } else { named };
+                // Kinds are counted modulo 4 and 6.
+                for sought in TOLERANCES.into_iter().flat_map(|tolerance| (0..6).map(move |kind| (tolerance, kind))) {
+                    let (mut one, mut other) = (rng.clone(), rng.clone());
+                    let mut sampler = PairSampler::with_style(&mut one, CoordinateStyle::Grid);
+                    let mut fresh = PairSampler::with_style(&mut other, CoordinateStyle::Grid);
+                    let known = LadderPair::new((&a, &b), &set.f64, sought);
+                    for _ in 0..12 {
+                        let critical = critical(&mut sampler, &known);
+                        let again = super::critical(&mut fresh, &LadderPair::new((&a, &b), &set.f64, sought));
+                        assert_eq!(critical, again, "{} {sought:?}", family.name());
+                        *found.entry(sought.0).or_insert(0) += u32::from(critical.is_some());
+                    }
+                    assert_eq!(one.get_word_pos(), other.get_word_pos());
+                }
+            }
+        }
+        assert!(TOLERANCES.iter().all(|tolerance| found[tolerance] > 50), "{found:?}");
+    }
 }

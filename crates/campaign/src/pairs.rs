@@ -3,7 +3,7 @@
 
 use crate::directed::{self, DirectedPair, Rung};
 use crate::families::{self, CoordinateStyle, Family, PairSampler};
-use crate::ladder::{self, Critical};
+use crate::ladder::{self, Critical, LadderPair};
 pub use crate::tolerance_sets::SetSource;
 use crate::{perturbation, tolerance_sets};
 use rand_chacha::ChaCha8Rng;
@@ -347,10 +347,10 @@ impl PairVariants<'_, '_, '_> {
     /// The first critical value that is exact and that f32 holds, or else the first that is exact, or the first.
     fn nearest_to_exact(&mut self, set: &ToleranceSet, sought: (&'static str, u64)) -> Option<Critical> {
         let base = self.base;
-        let pair = DirectedPair::new(&base.a, &base.b, set);
+        let pair = LadderPair::new((&base.a, &base.b), set, sought);
         let mut found: Option<Critical> = None;
         for _ in 0..if self.perturbed { 3 } else { EXACT_TRIES } {
-            let Some(next) = ladder::critical(self.sampler, &pair, sought) else { continue };
+            let Some(next) = ladder::critical(self.sampler, &pair) else { continue };
             if self.perturbed || (next.exact && next.value.is_exact_in(Precision::F32)) {
                 return Some(next);
             }

@@ -114,6 +114,16 @@ pub(super) struct BatchResult {
     pub(super) counts: Counts,
 }
 
+impl BatchResult {
+    /// The same with what later batches brought.
+    pub(super) fn with(mut self, later: BatchResult) -> BatchResult {
+        self.counts.add(later.counts);
+        self.findings.extend(later.findings);
+        self.stepped.extend(later.stepped);
+        self
+    }
+}
+
 /// Bytes of rows that wait for a commit at most.
 const COMMIT: usize = 4 << 20;
 

@@ -40,13 +40,13 @@ fn family(name: &str) -> PairConfig {
 /// Whether a plane is that of a v-f contact, and so asked in test 5: its vertex projects into the face, and is in no
 /// territory.
 fn is_contact(entries: &[TraceEntry], plane: &Decision) -> bool {
-    let (vertex, face) = match plane.features {
+    let (vertex, face) = match plane.features() {
         [Some(v @ Feature::Vertex(..)), Some(f @ Feature::Face(..)), ..]
         | [Some(f @ Feature::Face(..)), Some(v @ Feature::Vertex(..)), ..] => (v, f),
         _ => return false,
     };
     let about = |p: Predicate, e: &TraceEntry, feature| {
-        e.decision.predicate == p && e.decision.features.contains(&Some(feature))
+        e.decision.predicate == p && e.decision.features().contains(&Some(feature))
     };
     let mut yes = entries.iter().filter(|e| e.outcome == 1);
     let territory = |e: &TraceEntry| {
@@ -125,7 +125,7 @@ fn concave_notches_have_chains_of_exits() {
         let mut exits: BTreeMap<(Side, VertexId), Vec<FaceId>> = BTreeMap::new();
         for entry in trace(&case) {
             if let (Predicate::ShortestExit, [Some(Feature::Vertex(side, v)), Some(Feature::Face(_, f)), ..]) =
-                (entry.decision.predicate, entry.decision.features)
+                (entry.decision.predicate, entry.decision.features())
             {
                 exits.entry((side, v)).or_default().push(f);
             }
@@ -172,7 +172,7 @@ fn concave_notches_have_level_edges() {
     for case in (0..600).map(|k| batch(29, k, &config).remove(0)) {
         for entry in trace(&case) {
             if let (Predicate::InsideFace, [Some(Feature::Vertex(side, v)), Some(Feature::Face(_, f)), ..]) =
-                (entry.decision.predicate, entry.decision.features)
+                (entry.decision.predicate, entry.decision.features())
             {
                 let (own, other) = if side == Side::A { (&case.a, &case.b) } else { (&case.b, &case.a) };
                 if !entry.tie && !other.face_is_convex(f) && is_level(own, v, other, f) {
@@ -243,7 +243,7 @@ fn deep_sets_have_contacts_deeper_than_the_search_distance() {
         let found = pair.classify(set).contacts;
         let contact = |d: &Decision| {
             found.iter().any(|c| {
-                let key = match (d.features[0], d.features[1]) {
+                let key = match (d.features()[0], d.features()[1]) {
                     (Some(Feature::Vertex(Side::B, v)), Some(Feature::Face(_, f))) => ContactKey::FaceVertex(f, v),
                     (Some(Feature::Vertex(_, v)), Some(Feature::Face(_, f))) => ContactKey::VertexFace(v, f),
                     (Some(Feature::Edge(_, e)), Some(Feature::Edge(_, f))) => ContactKey::EdgeEdge(e, f),

@@ -149,7 +149,7 @@ impl DifferenceVertices {
     }
 
     fn touches(&self, decision: &Decision, features: Features<'_>) -> bool {
-        decision.features.iter().flatten().all(|&feature| {
+        decision.features().iter().flatten().all(|&feature| {
             let around = match feature.side() {
                 Side::A => &self.a,
                 Side::B => &self.b,

@@ -82,7 +82,7 @@ pub struct DecidingDecision {
 impl DecidingDecision {
     /// The features of the decision, one after the other.
     pub fn features(&self) -> String {
-        self.decision.features.iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+        self.decision.features().iter().flatten().map(ToString::to_string).collect::<Vec<_>>().join(" ")
     }
 }
 

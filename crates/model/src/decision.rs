@@ -122,17 +122,33 @@ impl Feature {
         }
     }
 
-    /// Kind, side and number in one word, other for every other feature; never 0. Of ordinary numbers (below 2²⁹) its upper half is 0.
+    /// Kind, side and number in one word, which order as features do; never 0. Numbers beyond [`LARGEST`] count as that.
     #[inline]
-    fn word(self) -> u64 {
+    fn word(self) -> u32 {
         let (kind, side, number) = match self {
             Feature::Vertex(side, VertexId(number)) => (1, side, number),
             Feature::Edge(side, EdgeId(number)) => (2, side, number),
             Feature::Face(side, FaceId(number)) => (3, side, number),
         };
-        u64::from(number) << 3 | kind << 1 | side as u64
+        kind << 30 | (side as u32) << 29 | number.min(LARGEST)
+    }
+
+    /// The feature of a word; 0 is that of none.
+    #[inline]
+    fn of_word(word: u32) -> Option<Feature> {
+        let side = if word & (LARGEST + 1) == 0 { Side::A } else { Side::B };
+        let number = word & LARGEST;
+        match word >> 30 {
+            0 => None,
+            1 => Some(Feature::Vertex(side, VertexId(number))),
+            2 => Some(Feature::Edge(side, EdgeId(number))),
+            _ => Some(Feature::Face(side, FaceId(number))),
+        }
     }
 }
+
+/// The largest number of a feature that a decision tells from all others; no block that memory holds has so many.
+pub(crate) const LARGEST: u32 = (1 << 29) - 1;
 
 impl fmt::Display for Feature {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -168,42 +184,54 @@ impl fmt::Display for Feature {
 ///
 /// The outcome is 1 for yes and 0 for no; for gap-sign it is the sign; for entrance-choice, shortest-exit and one-exit
 /// 1 says that the candidate is chosen, the contact stays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Decision {
     /// What was asked.
     pub predicate: Predicate,
-    /// The features it was asked of, in the order of the table above; unused places are `None`.
-    pub features: [Option<Feature>; 4],
+    /// The words of the features, 0 in unused places: traces hold hundreds of decisions, which are compared again and again.
+    words: [u32; 4],
 }
 
 impl Decision {
     /// A decision about `features` (at most four).
     #[inline]
     pub fn about(predicate: Predicate, features: &[Feature]) -> Decision {
-        let mut all = [None; 4];
-        for (place, feature) in all.iter_mut().zip(features) {
-            *place = Some(*feature);
+        let mut words = [0; 4];
+        for (word, feature) in words.iter_mut().zip(features) {
+            *word = feature.word();
         }
-        Decision { predicate, features: all }
+        Decision { predicate, words }
+    }
+
+    /// The features it was asked of, in the order of the table above; unused places are `None`.
+    #[inline]
+    pub fn features(&self) -> [Option<Feature>; 4] {
+        self.words.map(Feature::of_word)
     }
 
     /// What the decision is looked up by, in its lower half above all.
     #[inline]
     pub(crate) fn hash_bits(&self) -> u64 {
-        // The words of ordinary features do not overlap in these two, and large primes spread what differs (2⁶⁴ over the golden ratio; Steele and
-        // Vigna, 2022).
-        let [a, b, c, d] = self.features.map(|feature| feature.map_or(0, Feature::word));
-        let first = (a ^ b << 32).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        let second = (c ^ d << 32 ^ (self.predicate as u64) << 59).wrapping_mul(0xD134_2543_DE82_EF95);
+        // Large primes spread what differs (2⁶⁴ over the golden ratio; Steele and Vigna, 2022).
+        let [a, b, c, d] = self.words.map(u64::from);
+        let first = (a | b << 32).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let second = (c ^ d << 32 ^ (self.predicate as u64) << 48).wrapping_mul(0xD134_2543_DE82_EF95);
         let both = first ^ second.rotate_left(32);
         (both ^ both >> 32).wrapping_mul(0xD134_2543_DE82_EF95) >> 32
+    }
+}
+
+impl fmt::Debug for Decision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (predicate, features) = (&self.predicate, self.features());
+        f.debug_struct("Decision").field("predicate", predicate).field("features", &features).finish()
     }
 }
 
 impl fmt::Display for Decision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}(", self.predicate)?;
-        for (i, feature) in self.features.iter().flatten().enumerate() {
+        for (i, feature) in self.features().iter().flatten().enumerate() {
             write!(f, "{}{feature}", if i == 0 { "" } else { ", " })?;
         }
         write!(f, ")")

@@ -74,12 +74,12 @@ impl DecisionIndex {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decision::{Feature, Predicate, Side};
+    use crate::decision::{Feature, LARGEST, Predicate, Side};
     use crate::topology::{EdgeId, FaceId, VertexId};
 
     /// Decisions of all predicates about few features, many of them alike but for one part, and some about features of large numbers.
     fn decisions() -> Vec<Decision> {
-        let number = |k: u32| if k.is_multiple_of(7) { u32::MAX - k } else { k };
+        let number = |k: u32| if k.is_multiple_of(7) { LARGEST - k } else { k };
         let features = |k: u32| {
             let side = if k.is_multiple_of(2) { Side::A } else { Side::B };
             [
@@ -103,6 +103,22 @@ mod tests {
             }
         }
         all
+    }
+
+    /// What a decision was asked of comes back, and decisions order as their features do.
+    #[test]
+    fn features_are_kept_in_words() {
+        let (all, plain) = (decisions(), |decision: &Decision| (decision.predicate, decision.features()));
+        for (decision, other) in all.iter().zip(all.iter().cycle().skip(17)) {
+            let features: Vec<Feature> = decision.features().into_iter().flatten().collect();
+            assert_eq!(Decision::about(decision.predicate, &features), *decision);
+            assert_eq!(decision.cmp(other), plain(decision).cmp(&plain(other)));
+        }
+        let [one, two] = [LARGEST, LARGEST - 1].map(|number| Feature::Face(Side::B, FaceId(number)));
+        let about = |features: &[Feature]| Decision::about(Predicate::OneExit, features);
+        assert_eq!(about(&[one, two]).features(), [Some(one), Some(two), None, None]);
+        assert_ne!(about(&[one]), about(&[two]));
+        assert_eq!(about(&[one]), about(&[Feature::Face(Side::B, FaceId(u32::MAX))]));
     }
 
     #[test]

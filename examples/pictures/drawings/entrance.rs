@@ -110,7 +110,7 @@ fn entrance_asked(entry: &TraceEntry) -> Option<Entrance> {
     if entry.decision.predicate != Predicate::EntranceChoice {
         return None;
     }
-    match [entry.decision.features[2]?, entry.decision.features[3]?] {
+    match [entry.decision.features()[2]?, entry.decision.features()[3]?] {
         [Feature::Vertex(_, a), Feature::Face(_, b)] => Some(Entrance::VertexFace(a, b)),
         [Feature::Face(_, a), Feature::Vertex(_, b)] => Some(Entrance::FaceVertex(a, b)),
         [Feature::Edge(_, a), Feature::Edge(_, b)] => Some(Entrance::EdgeEdge(a, b)),

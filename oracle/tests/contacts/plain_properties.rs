@@ -195,7 +195,7 @@ fn collapsed_face_has_gap_zero_and_no_inside() {
     let of_the_tip = [Some(Feature::Vertex(Side::A, VertexId(0))), Some(Feature::Face(Side::B, FaceId(1)))];
     let inside: Vec<_> = trace
         .iter()
-        .filter(|(d, ..)| d.predicate == Predicate::InsideFace && d.features[..2] == of_the_tip)
+        .filter(|(d, ..)| d.predicate == Predicate::InsideFace && d.features()[..2] == of_the_tip)
         .map(|(_, outcome, tie)| (*outcome, *tie))
         .collect();
     assert_eq!(inside, [(0, true)]);

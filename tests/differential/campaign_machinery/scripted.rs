@@ -119,7 +119,7 @@ impl ExactPair for ScriptedPair<'_> {
         self.said(tolerances).trace.clone()
     }
     fn margins(&self, _: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<f64>> {
-        let margin = |decision: &Decision| match decision.features[0] {
+        let margin = |decision: &Decision| match decision.features()[0] {
             Some(Feature::Vertex(_, n)) => Some(f64::from(n.0) / 1000.0),
             _ => None,
         };

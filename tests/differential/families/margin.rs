@@ -299,7 +299,7 @@ pub(crate) fn margin(case: &PairCase) -> Option<Sign> {
     let (s, r, g) = (set.search.to_rational(), set.territory.to_rational(), set.penetration.to_rational());
     let sixteenth = Q::new(1.into(), 16.into());
     use Feature::{Edge, Face, Vertex};
-    let [f0, f1, f2, f3] = decision.features;
+    let [f0, f1, f2, f3] = decision.features();
     Some(match (decision.predicate, f0, f1) {
         (Predicate::Neighbours, ..) => pair.neighbours(),
         (p @ (Predicate::VertexVertexNear | Predicate::VertexTerritory), Some(Vertex(..)), Some(Vertex(_, b))) => {

@@ -14,7 +14,7 @@ pub(super) fn checked(pair: &DirectedPair<'_>, mut aim: Aim) -> Option<Aim> {
     let search = pair.search() * 1.001;
     let inside = |t: f64| (MARGIN..1.0 - MARGIN).contains(&t);
     let radial = |from: [f64; 3]| from[aim.axis].abs();
-    aim.reach = match (aim.decision.predicate, aim.decision.features) {
+    aim.reach = match (aim.decision.predicate, aim.decision.features()) {
         (Predicate::Neighbours, _) => extent(pair, aim.axis) * MARGIN,
         (
             predicate @ (Predicate::VertexVertexNear | Predicate::VertexTerritory | Predicate::VertexRegion),

@@ -106,6 +106,12 @@ pub(crate) fn fraction(numerator: BigInt, denominator: BigInt) -> BigRational {
     }
 }
 
+/// Whether a quotient of integers, the lower positive, is at most the square of a number; **a tie says yes**.
+pub(crate) fn at_most((numerator, denominator): &(BigInt, BigInt), root: &Number) -> bool {
+    let limit = root.to_rational().pow(2);
+    numerator * limit.denom() <= limit.numer() * denominator
+}
+
 impl<'p> ExactPlacement<'p> {
     /// The lattice of the vertices named, of the lengths of `set`, and of the offset at which B starts.
     pub(crate) fn new(
@@ -234,8 +240,14 @@ impl<'p> ExactPlacement<'p> {
 
     /// Square units of `numerator / denominator` to m².
     pub(crate) fn square_metres(&self, numerator: &BigInt, denominator: &BigInt) -> BigRational {
+        let (numerator, denominator) = self.in_square_metres(numerator.clone(), denominator.clone());
+        fraction(numerator, denominator)
+    }
+
+    /// The same, not in lowest terms.
+    pub(crate) fn in_square_metres(&self, numerator: BigInt, denominator: BigInt) -> (BigInt, BigInt) {
         let (per_metre, over) = self.lattice.units_per_metre();
-        fraction(numerator * &over * &over, denominator * &per_metre * &per_metre)
+        (numerator * &over * over, denominator * &per_metre * per_metre)
     }
 
     /// The offset of B from where the block is, when it is `vector / over` lattice units from its start.
@@ -249,6 +261,17 @@ impl<'p> ExactPlacement<'p> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn quotients_are_compared_with_squares_as_fractions_are() {
+        for (n, d) in [(0, 5), (1, 16), (8, 100), (2, 18), (4, 36), (5, 36), (100, 1)] {
+            for root in [0.0, 0.25, 0.5, 10.0] {
+                let root = Number::from_f64(root).expect("a finite number");
+                let is = BigRational::new(n.into(), d.into()) <= root.to_rational().pow(2);
+                assert_eq!(at_most(&(n.into(), d.into()), &root), is);
+            }
+        }
+    }
 
     #[test]
     fn fractions_are_in_lowest_terms() {

@@ -71,14 +71,34 @@ pub(crate) struct F64View<'p> {
     magnitude: f64,
     /// How far B has been moved.
     shift: F64Vector,
-    /// Of a vertex of each side and a face of the other: [`F64View::above_face`].
-    above_faces: [Remembered<(f64, f64)>; 2],
+    distances: Distances,
 }
 
-/// Nothing known yet of vertices above faces.
-fn above_faces(a: &Block, b: &Block) -> [Remembered<(f64, f64)>; 2] {
-    let known = |own: &Block, other: &Block| Remembered::new(own.vertices().len(), other.topology().faces().len());
-    [known(a, b), known(b, a)]
+/// How far apart features are, by their numbers; `None` of what is not to be chosen.
+type Known = Remembered<Option<f64>>;
+
+/// What is known of distances; where a feature of either side can be the first, of A's and of B's.
+#[derive(Debug)]
+struct Distances {
+    vertex_vertex: Known,
+    vertex_edge: [Known; 2],
+    vertex_face: [Known; 2],
+    edge_edge: Known,
+}
+
+impl Distances {
+    /// Nothing yet.
+    fn new(a: &Block, b: &Block) -> Distances {
+        let vertices = |block: &Block| block.vertices().len();
+        let edges = |block: &Block| block.topology().edges().len();
+        let faces = |block: &Block| block.topology().faces().len();
+        Distances {
+            vertex_vertex: Known::new(vertices(a), vertices(b)),
+            vertex_edge: [Known::new(vertices(a), edges(b)), Known::new(vertices(b), edges(a))],
+            vertex_face: [Known::new(vertices(a), faces(b)), Known::new(vertices(b), faces(a))],
+            edge_edge: Known::new(edges(a), edges(b)),
+        }
+    }
 }
 
 /// How many features are drawn for each one chosen.
@@ -88,12 +108,12 @@ impl<'p> F64View<'p> {
     pub(crate) fn of(a: &'p Block, b: &'p Block) -> F64View<'p> {
         let halves = [F64Block::of(a), F64Block::of(b)];
         let magnitude = halves.iter().flat_map(|h| h.points.iter().flatten()).fold(0.0f64, |m, c| m.max(c.abs()));
-        F64View { a, b, halves: Rc::new(halves), magnitude, shift: [0.0; 3], above_faces: above_faces(a, b) }
+        F64View { a, b, halves: Rc::new(halves), magnitude, shift: [0.0; 3], distances: Distances::new(a, b) }
     }
 
     /// The pair with B moved.
     pub(crate) fn moved(&self, shift: F64Vector) -> F64View<'p> {
-        F64View { halves: Rc::clone(&self.halves), shift, above_faces: above_faces(self.a, self.b), ..*self }
+        F64View { halves: Rc::clone(&self.halves), shift, distances: Distances::new(self.a, self.b), ..*self }
     }
 
     fn placed(&self, side: Side, point: F64Vector) -> F64Vector {
@@ -165,23 +185,23 @@ impl<'p> F64View<'p> {
     pub(crate) fn vertex_face(&self, sampler: &mut PairSampler<'_>, side: Side) -> (VertexId, FaceId) {
         let vertices = self.block(side).vertices().len() as u64;
         let faces = self.block(side.other()).topology().faces().len() as u64;
-        self.nearest(
-            sampler,
-            |sampler| Some((VertexId(sampler.below(vertices) as u32), FaceId(sampler.below(faces) as u32))),
-            |&(v, f)| {
-                let known = &self.above_faces[side as usize];
-                let (gap, outside) = known.get(v.index(), f.index(), || self.above_face(side, v, f));
-                gap.abs() + outside
-            },
-        )
-        .unwrap_or((VertexId(0), FaceId(0)))
+        let known = &self.distances.vertex_face[side as usize];
+        let draw = |sampler: &mut PairSampler<'_>| Some((sampler.below(vertices) as u32, sampler.below(faces) as u32));
+        let nearest = nearest(sampler, known, draw, |v, f| {
+            let (gap, outside) = self.above_face(side, VertexId(v), FaceId(f));
+            Some(gap.abs() + outside)
+        });
+        nearest.map_or((VertexId(0), FaceId(0)), |(v, f)| (VertexId(v), FaceId(f)))
     }
 
     /// Near convex vertices of A and B.
     pub(crate) fn vertex_vertex(&self, sampler: &mut PairSampler<'_>) -> Option<(VertexId, VertexId)> {
         let draw =
             |sampler: &mut PairSampler<'_>| Some((convex_vertex(sampler, self.a)?, convex_vertex(sampler, self.b)?));
-        self.nearest(sampler, draw, |&(a, b)| length(minus(self.vertex(Side::A, a), self.vertex(Side::B, b))))
+        let nearest = nearest(sampler, &self.distances.vertex_vertex, draw, |a, b| {
+            Some(length(minus(self.vertex(Side::A, VertexId(a)), self.vertex(Side::B, VertexId(b)))))
+        });
+        nearest.map(|(a, b)| (VertexId(a), VertexId(b)))
     }
 
     /// Where along an edge the foot of a vertex of the other block is (0 to 1 inside), and how far away the vertex is.
@@ -198,11 +218,12 @@ impl<'p> F64View<'p> {
         let draw = |sampler: &mut PairSampler<'_>| {
             Some((convex_vertex(sampler, self.block(side))?, convex_edge(sampler, other)?))
         };
-        self.nearest(sampler, draw, |&(v, e)| {
-            let (along, distance) = self.foot(side, v, e);
-            let (_, d) = self.edge(side.other(), e);
-            distance + (-along).max(along - 1.0).max(0.0) * length(d)
-        })
+        let nearest = nearest(sampler, &self.distances.vertex_edge[side as usize], draw, |v, e| {
+            let (along, distance) = self.foot(side, VertexId(v), EdgeId(e));
+            let (_, d) = self.edge(side.other(), EdgeId(e));
+            Some(distance + (-along).max(along - 1.0).max(0.0) * length(d))
+        });
+        nearest.map(|(v, e)| (VertexId(v), EdgeId(e)))
     }
 
     /// Where the feet of the common perpendicular are along the edges (0 to 1 inside), and how far apart they are.
@@ -220,38 +241,38 @@ impl<'p> F64View<'p> {
 
     /// Near convex edges that are not parallel.
     pub(crate) fn edge_edge(&self, sampler: &mut PairSampler<'_>) -> Option<(EdgeId, EdgeId)> {
-        let draw = |sampler: &mut PairSampler<'_>| {
-            let pair = (convex_edge(sampler, self.a)?, convex_edge(sampler, self.b)?);
-            self.feet(pair.0, pair.1).map(|_| pair)
-        };
-        self.nearest(sampler, draw, |&(a, b)| {
-            let Some((s, t, apart)) = self.feet(a, b) else { return f64::INFINITY };
+        let draw = |sampler: &mut PairSampler<'_>| Some((convex_edge(sampler, self.a)?, convex_edge(sampler, self.b)?));
+        let nearest = nearest(sampler, &self.distances.edge_edge, draw, |a, b| {
+            let (a, b) = (EdgeId(a), EdgeId(b));
+            let (s, t, apart) = self.feet(a, b)?;
             let beyond = |x: f64| (-x).max(x - 1.0).max(0.0);
             let (_, d) = self.edge(Side::A, a);
             let (_, e) = self.edge(Side::B, b);
-            apart + beyond(s) * length(d) + beyond(t) * length(e)
-        })
+            Some(apart + beyond(s) * length(d) + beyond(t) * length(e))
+        });
+        nearest.map(|(a, b)| (EdgeId(a), EdgeId(b)))
     }
+}
 
-    fn nearest<T>(
-        &self,
-        sampler: &mut PairSampler<'_>,
-        draw: impl Fn(&mut PairSampler<'_>) -> Option<T>,
-        distance: impl Fn(&T) -> f64,
-    ) -> Option<T> {
-        let mut best: Option<(f64, T)> = None;
-        // Hand-counted: this crate is compiled with little optimisation, and a range would cost as much as a draw.
-        let mut left = DRAWS;
-        while left > 0 {
-            left -= 1;
-            let Some(drawn) = draw(sampler) else { continue };
-            let d = distance(&drawn);
-            if best.as_ref().is_none_or(|(least, _)| d < *least) {
-                best = Some((d, drawn));
-            }
+/// The nearest of some drawn features, of equally near ones the first, by their numbers.
+fn nearest(
+    sampler: &mut PairSampler<'_>,
+    known: &Known,
+    draw: impl Fn(&mut PairSampler<'_>) -> Option<(u32, u32)>,
+    distance: impl Fn(u32, u32) -> Option<f64>,
+) -> Option<(u32, u32)> {
+    let mut best: Option<(f64, (u32, u32))> = None;
+    // Hand-counted: this crate is compiled with little optimisation, and a range would cost as much as a draw.
+    let mut left = DRAWS;
+    while left > 0 {
+        left -= 1;
+        let Some((one, other)) = draw(sampler) else { continue };
+        let Some(d) = known.get(one as usize, other as usize, || distance(one, other)) else { continue };
+        if best.as_ref().is_none_or(|(least, _)| d < *least) {
+            best = Some((d, (one, other)));
         }
-        best.map(|(_, drawn)| drawn)
     }
+    best.map(|(_, drawn)| drawn)
 }
 
 /// The spacing of the precision's numbers at `magnitude`.
@@ -261,12 +282,12 @@ pub(crate) fn quantum(magnitude: f64, precision: Precision) -> f64 {
     power_of_two((top + 1 - precision.digits() as i32).clamp(-1000, 1000))
 }
 
-fn convex_vertex(sampler: &mut PairSampler<'_>, block: &Block) -> Option<VertexId> {
-    let vertex = VertexId(sampler.below(block.vertices().len() as u64) as u32);
-    block.vertex_is_convex(vertex).then_some(vertex)
+fn convex_vertex(sampler: &mut PairSampler<'_>, block: &Block) -> Option<u32> {
+    let vertex = sampler.below(block.vertices().len() as u64) as u32;
+    block.vertex_is_convex(VertexId(vertex)).then_some(vertex)
 }
 
-fn convex_edge(sampler: &mut PairSampler<'_>, block: &Block) -> Option<EdgeId> {
-    let edge = EdgeId(sampler.below(block.topology().edges().len() as u64) as u32);
-    block.edge_is_convex(edge).then_some(edge)
+fn convex_edge(sampler: &mut PairSampler<'_>, block: &Block) -> Option<u32> {
+    let edge = sampler.below(block.topology().edges().len() as u64) as u32;
+    block.edge_is_convex(EdgeId(edge)).then_some(edge)
 }

@@ -1,8 +1,9 @@
 //! How far a solid angle dips below a plane: the two measures of the no-overlap checks, and ladders across each.
 
-use super::search::{CriticalDecision, both_edges};
+use super::LadderPair;
+use super::search::{CriticalDecision, NO_MOVE, both_edges};
 use crate::directed::edges::across;
-use crate::directed::exact::{ExactPlacement, fraction};
+use crate::directed::exact::{ExactPlacement, at_most, fraction};
 use crate::directed::faces::over_face;
 use crate::directed::vertices::DRAWS;
 use crate::directed::{DirectedPair, side};
@@ -22,38 +23,52 @@ pub(super) enum DipMeasure {
     Length,
 }
 
-/// One edge direction, or one face at an edge, that dips below a plane.
+impl DipMeasure {
+    fn other(self) -> DipMeasure {
+        match self {
+            DipMeasure::Angle => DipMeasure::Length,
+            DipMeasure::Length => DipMeasure::Angle,
+        }
+    }
+}
+
+/// One edge direction, or one face at an edge, that dips below a plane. Quotients, not in lowest terms.
 pub(super) struct Dip {
     /// The square of the sine of the angle.
-    sine: BigRational,
+    sine: (BigInt, BigInt),
     /// The square of the depth of the far end (m²).
-    pub(super) depth: BigRational,
+    depth: (BigInt, BigInt),
 }
 
 impl Dip {
+    fn by(&self, measure: DipMeasure) -> &(BigInt, BigInt) {
+        match measure {
+            DipMeasure::Angle => &self.sine,
+            DipMeasure::Length => &self.depth,
+        }
+    }
+
     /// Whether one measure alone lets the dip pass; **a tie says yes**.
-    fn within(&self, set: &ToleranceSet, measure: DipMeasure) -> bool {
-        match measure {
-            DipMeasure::Angle => self.sine <= set.overlap_sine.to_rational().pow(2),
-            DipMeasure::Length => {
-                set.criteria == Criteria::Classic || self.depth <= set.penetration.to_rational().pow(2)
-            }
-        }
+    pub(super) fn within(&self, set: &ToleranceSet, measure: DipMeasure) -> bool {
+        lets_pass(self.by(measure), set, measure)
     }
+}
 
-    /// Whether the dip passes: by both measures.
-    pub(super) fn passes(&self, set: &ToleranceSet) -> bool {
-        self.within(set, DipMeasure::Angle) && self.within(set, DipMeasure::Length)
+fn lets_pass(dip: &(BigInt, BigInt), set: &ToleranceSet, measure: DipMeasure) -> bool {
+    match measure {
+        DipMeasure::Angle => at_most(dip, &set.overlap_sine),
+        DipMeasure::Length => set.criteria == Criteria::Classic || at_most(dip, &set.penetration),
     }
+}
 
-    /// The square of the tolerance at which the dip begins to pass. Both measures must hold, so one decides only where
-    /// the other says yes; `None` elsewhere.
-    fn critical(&self, set: &ToleranceSet, measure: DipMeasure) -> Option<&BigRational> {
-        match measure {
-            DipMeasure::Angle => self.within(set, DipMeasure::Length).then_some(&self.sine),
-            DipMeasure::Length => self.within(set, DipMeasure::Angle).then_some(&self.depth),
-        }
-    }
+/// The square of the largest of some dips.
+pub(super) fn largest(dips: Vec<Dip>, measure: DipMeasure) -> Option<BigRational> {
+    let order = |one: &Dip, other: &Dip| {
+        let ((n, d), (m, e)) = (one.by(measure), other.by(measure));
+        (n * e).cmp(&(m * d))
+    };
+    let (numerator, denominator) = dips.iter().max_by(|one, other| order(one, other))?.by(measure);
+    Some(fraction(numerator.clone(), denominator.clone()))
 }
 
 /// The vertices that [`cone_dip`] needs on the lattice, for all edges at the vertex.
@@ -80,22 +95,18 @@ pub(super) fn cone_dip(
     let rise = e.dot(n);
     let (squared, norms) = (&rise * &rise, n.norm_squared());
     rise.is_negative().then(|| Dip {
-        sine: fraction(squared.clone(), &norms * e.norm_squared()),
-        depth: exact.square_metres(&squared, &norms),
+        sine: (squared.clone(), &norms * e.norm_squared()),
+        depth: exact.in_square_metres(squared, norms),
     })
 }
 
-/// The dips of the four faces at two edges, along their common perpendicular.
-pub(super) fn wedge_dips(exact: &ExactPlacement<'_>, edges: (EdgeId, EdgeId)) -> Vec<Dip> {
-    shallow_wedge_dips(exact, edges, None).unwrap_or_default()
-}
-
-/// The same; `None`, soon, where one of them is beyond a sine.
-pub(super) fn shallow_wedge_dips(
+/// The dips of the four faces at two edges, along their common perpendicular; `None`, soon, where not all of these measures let one of them pass.
+pub(super) fn wedge_dips_within(
     exact: &ExactPlacement<'_>,
     (ea, eb): (EdgeId, EdgeId),
-    sine: Option<&BigRational>,
+    (set, measures): (&ToleranceSet, &[DipMeasure]),
 ) -> Option<Vec<Dip>> {
+    let fails = |dip: &(BigInt, BigInt), measure| measures.contains(&measure) && !lets_pass(dip, set, measure);
     let n = exact.direction(Side::A, ea).cross(&exact.direction(Side::B, eb));
     let over_faces = [(Side::A, ea), (Side::B, eb)].map(|(side, edge)| {
         let e = exact.edge(side, edge);
@@ -113,13 +124,16 @@ pub(super) fn shallow_wedge_dips(
         if rise.is_zero() || (rise.is_negative() != is_turned) == (side == Side::B) {
             continue;
         }
-        let (squared, norms) = (&rise * &rise, &across * m.norm_squared());
-        if sine.is_some_and(|sine| &squared * sine.denom().pow(2) > &norms * sine.numer().pow(2)) {
+        let sine = (&rise * &rise, &across * m.norm_squared());
+        if fails(&sine, DipMeasure::Angle) {
             return None;
         }
         let (width, over) = width_squared(exact, side, edge, face);
-        let depth = exact.square_metres(&(&squared * width), &(&norms * over));
-        dips.push(Dip { sine: fraction(squared, norms), depth });
+        let depth = exact.in_square_metres(&sine.0 * width, &sine.1 * over);
+        if fails(&depth, DipMeasure::Length) {
+            return None;
+        }
+        dips.push(Dip { sine, depth });
     }
     Some(dips)
 }
@@ -135,7 +149,8 @@ fn width_squared(exact: &ExactPlacement<'_>, side: Side, edge: EdgeId, face: Fac
 
 /// The one edge direction at a vertex that dips below a plane by one measure, while the other lets it pass. The vertex is
 /// brought over the face.
-pub(super) fn cone(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, by: DipMeasure) -> CriticalDecision {
+pub(super) fn cone(sampler: &mut PairSampler<'_>, ladder: &LadderPair<'_>, by: DipMeasure) -> CriticalDecision {
+    let pair = &ladder.directed;
     let (asked, v, f, edge) = (0..DRAWS).find_map(|_| {
         let asked = side(sampler);
         let (v, f) = pair.f64_view.vertex_face(sampler, asked);
@@ -147,20 +162,27 @@ pub(super) fn cone(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, by: D
         (alone && decides).then_some((asked, v, f, edge))
     })?;
     let start = over_face(sampler, pair, (asked, v), f, None);
-    let exact = pair.exact(&cone_vertices(pair, (asked, v), f), start);
-    let dip = cone_dip(&exact, (asked, v), f, edge)?;
+    // Of an edge only one end dips below a face, in f64 as well.
+    let squared = ladder.of_face((asked, edge.index()), f, || {
+        let exact = pair.exact(&cone_vertices(pair, (asked, v), f), NO_MOVE);
+        // Both measures must hold, so one decides only where the other says yes.
+        let dip = cone_dip(&exact, (asked, v), f, edge).filter(|dip| dip.within(pair.set, by.other()))?;
+        largest(vec![dip], by)
+    })?;
     let features = [Feature::Vertex(asked, v), Feature::Face(asked.other(), f), Feature::Edge(asked, edge)];
-    Some((Decision::about(Predicate::ConePasses, &features), dip.critical(pair.set, by)?.clone(), start))
+    Some((Decision::about(Predicate::ConePasses, &features), BigRational::clone(&squared), start))
 }
 
 /// The worst of the faces at two crossing edges that dip by one measure, while the other lets all of them pass. The
 /// edges are brought across each other.
-pub(super) fn wedges(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, by: DipMeasure) -> CriticalDecision {
+pub(super) fn wedges(sampler: &mut PairSampler<'_>, ladder: &LadderPair<'_>, by: DipMeasure) -> CriticalDecision {
+    let pair = &ladder.directed;
     let (ea, eb) = pair.f64_view.edge_edge(sampler)?;
     let start = across(sampler, pair, ea, eb)?;
-    let dips = wedge_dips(&both_edges(pair, (ea, eb), start), (ea, eb));
-    let critical = dips.iter().map(|dip| dip.critical(pair.set, by)).collect::<Option<Vec<_>>>()?;
-    let worst = critical.into_iter().max()?.clone();
+    let worst = ladder.of_edges((ea, eb), || {
+        let exact = both_edges(pair, (ea, eb), NO_MOVE);
+        largest(wedge_dips_within(&exact, (ea, eb), (pair.set, &[by.other()]))?, by)
+    })?;
     let features = [Feature::Edge(Side::A, ea), Feature::Edge(Side::B, eb)];
-    Some((Decision::about(Predicate::WedgesPass, &features), worst, start))
+    Some((Decision::about(Predicate::WedgesPass, &features), BigRational::clone(&worst), start))
 }

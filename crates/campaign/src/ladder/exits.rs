@@ -1,7 +1,8 @@
 //! Ladders across the decisions about the way out: which planes are true exits, and which contacts one exit keeps.
 
-use super::dip::{cone_dip, cone_vertices, shallow_wedge_dips};
+use super::dip::{Dip, DipMeasure, cone_dip, cone_vertices, largest, wedge_dips_within};
 use super::search::{CriticalDecision, NO_MOVE, both_edges};
+use super::{CriticalSquare, LadderPair};
 use crate::directed::exact::fraction;
 use crate::directed::f64_view::{F64Vector, cross, length, minus, plus, times, unit};
 use crate::directed::faces::{ridge_under_vertex, under_faces};
@@ -50,20 +51,22 @@ impl EntrancePlane {
     }
 
     /// The square of the deepest dip (m²) of a plane that passes; `None` where it does not, or nothing dips.
-    fn deepest(self, pair: &DirectedPair<'_>) -> Option<BigRational> {
-        let dips = match self {
-            EntrancePlane::Face(vertex, face) => {
+    fn deepest(self, ladder: &LadderPair<'_>) -> CriticalSquare {
+        let pair = &ladder.directed;
+        let both = [DipMeasure::Angle, DipMeasure::Length];
+        match self {
+            EntrancePlane::Face(vertex, face) => ladder.of_face((vertex.0, vertex.1.index()), face, || {
                 let exact = pair.exact(&cone_vertices(pair, vertex, face), NO_MOVE);
                 let edges = pair.f64_view.block(vertex.0).topology().vertex_edges(vertex.1);
-                edges.iter().filter_map(|&edge| cone_dip(&exact, vertex, face, edge)).collect()
-            }
-            EntrancePlane::Edges(a, b) => {
-                let sine = pair.set.overlap_sine.to_rational();
-                shallow_wedge_dips(&both_edges(pair, (a, b), NO_MOVE), (a, b), Some(&sine))?
-            }
-        };
-        dips.iter().all(|dip| dip.passes(pair.set)).then_some(())?;
-        dips.into_iter().map(|dip| dip.depth).max()
+                let dips: Vec<Dip> = edges.iter().filter_map(|&edge| cone_dip(&exact, vertex, face, edge)).collect();
+                let pass = dips.iter().all(|dip| both.iter().all(|&measure| dip.within(pair.set, measure)));
+                pass.then(|| largest(dips, DipMeasure::Length))?
+            }),
+            EntrancePlane::Edges(a, b) => ladder.of_edges((a, b), || {
+                let dips = wedge_dips_within(&both_edges(pair, (a, b), NO_MOVE), (a, b), (pair.set, &both))?;
+                largest(dips, DipMeasure::Length)
+            }),
+        }
     }
 
     /// Whether something dips below the plane of a face, as far as f64 can tell.
@@ -80,13 +83,14 @@ impl EntrancePlane {
 
 /// The territory `r` for which r/10 is the deepest dip below a plane that passes: the candidate for the entrance of a
 /// v-v or v-e with several of them, or the plane of an overlap of convex blocks.
-pub(super) fn true_exit(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDecision {
+pub(super) fn true_exit(sampler: &mut PairSampler<'_>, ladder: &LadderPair<'_>) -> CriticalDecision {
+    let pair = &ladder.directed;
     let (place, plane, squared) = (0..DRAWS).find_map(|_| {
         let (place, planes) = drawn(sampler, pair)?;
         let first = sampler.below(planes.len() as u64) as usize;
         let mut turn = (0..planes.len()).map(|i| planes[(first + i) % planes.len()]);
         let plane = turn.find(|plane| plane.dips(pair))?;
-        let squared = plane.deepest(pair)? * BigInt::from(EXIT_INVERSE * EXIT_INVERSE);
+        let squared = BigRational::clone(&*plane.deepest(ladder)?) * BigInt::from(EXIT_INVERSE * EXIT_INVERSE);
         // No rule allows r > s.
         (squared <= pair.set.search.to_rational().pow(2)).then_some((place, plane, squared))
     })?;

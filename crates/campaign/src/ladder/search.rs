@@ -1,9 +1,11 @@
 //! Finding the decision that a tolerance settles, and the square of the value at which it does.
 
+use super::LadderPair;
 use super::dip::{DipMeasure, cone, wedges};
+use super::exact_root;
 use super::exits::{one_exit, true_exit};
 use crate::directed::edges::across;
-use crate::directed::exact::{ExactPlacement, fraction};
+use crate::directed::exact::{ExactPlacement, at_most, fraction};
 use crate::directed::f64_view::{F64Vector, cross, length, minus};
 use crate::directed::faces::Corner;
 use crate::directed::vertices::DRAWS;
@@ -24,14 +26,11 @@ pub(super) const NO_MOVE: F64Vector = [0.0; 3];
 /// λ = 1/4, less a thousandth: what is measured against it is in f64.
 const QUARTER: f64 = 0.25 * 0.999;
 
-/// A decision that `tolerance` settles, of one kind.
-pub(super) fn found(
-    sampler: &mut PairSampler<'_>,
-    pair: &DirectedPair<'_>,
-    (tolerance, kind): (&str, u64),
-) -> CriticalDecision {
+/// A decision that the tolerance settles, of the kind asked for.
+pub(super) fn found(sampler: &mut PairSampler<'_>, ladder: &LadderPair<'_>) -> CriticalDecision {
+    let LadderPair { directed: pair, tolerance, kind, .. } = ladder;
     let revised = pair.set.criteria == Criteria::Revised;
-    match tolerance {
+    match *tolerance {
         "search" => match kind % 4 {
             0 => to_vertex(sampler, pair, Predicate::VertexVertexNear),
             1 => to_edge(sampler, pair, Predicate::VertexEdgeNear),
@@ -40,26 +39,26 @@ pub(super) fn found(
         },
         // Under `classic` every territory is the search distance.
         "territory" if revised => match kind % 6 {
-            0 | 1 => nearly_parallel(sampler, pair, true),
-            2 | 3 => true_exit(sampler, pair),
+            0 | 1 => nearly_parallel(sampler, ladder, true),
+            2 | 3 => true_exit(sampler, ladder),
             4 => to_vertex(sampler, pair, Predicate::VertexTerritory),
             _ => to_edge(sampler, pair, Predicate::EdgeTerritory),
         },
         "penetration" => match kind % 6 {
             4 => entrance_depth(sampler, pair),
-            0 | 5 if revised => cone(sampler, pair, DipMeasure::Length),
-            1 if revised => wedges(sampler, pair, DipMeasure::Length),
+            0 | 5 if revised => cone(sampler, ladder, DipMeasure::Length),
+            1 if revised => wedges(sampler, ladder, DipMeasure::Length),
             0 | 1 | 2 | 5 => face_gap(sampler, pair, Predicate::VertexFaceDepth),
             _ => edge_gap(sampler, pair, Predicate::EdgeEdgeDepth),
         },
         "overlap_sine" => match kind % 4 {
             0 | 3 => one_exit(sampler, pair),
-            1 => wedges(sampler, pair, DipMeasure::Angle),
-            _ => cone(sampler, pair, DipMeasure::Angle),
+            1 => wedges(sampler, ladder, DipMeasure::Angle),
+            _ => cone(sampler, ladder, DipMeasure::Angle),
         },
-        "parallel_sine" => nearly_parallel(sampler, pair, false),
+        "parallel_sine" => nearly_parallel(sampler, ladder, false),
         // Most gaps have an irrational ratio.
-        "equal" => (0..DRAWS).find_map(|_| equal(sampler, pair)),
+        "equal" => (0..DRAWS).find_map(|_| equal(sampler, ladder)),
         _ => None,
     }
 }
@@ -168,31 +167,39 @@ fn depth_or_gap(exact: &ExactPlacement<'_>, decision: Decision, gap: &BigInt, sq
 
 /// The sine between two edges, or (`by_territory`) how far one drifts from the other over the longer's length. The
 /// edges are brought across each other.
-fn nearly_parallel(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>, by_territory: bool) -> CriticalDecision {
+fn nearly_parallel(sampler: &mut PairSampler<'_>, ladder: &LadderPair<'_>, by_territory: bool) -> CriticalDecision {
+    let pair = &ladder.directed;
     let (ea, eb) = pair.f64_view.edge_edge(sampler)?;
     let start = across(sampler, pair, ea, eb)?;
-    let exact = both_edges(pair, (ea, eb), start);
-    let (d1, d2) = (exact.direction(Side::A, ea), exact.direction(Side::B, eb));
-    let (cross, l1, l2) = (d1.cross(&d2).norm_squared(), d1.norm_squared(), d2.norm_squared());
-    let sine = fraction(cross.clone(), &l1 * &l2);
-    let drift = exact.square_metres(&cross, &l1.max(l2));
-    // Under `revised` both must hold: one can only decide where the other says yes.
-    let by_sine = sine <= pair.set.parallel_sine.to_rational().pow(2);
-    let by_drift = pair.set.criteria == Criteria::Classic || drift <= pair.set.territory.to_rational().pow(2);
+    let squared = ladder.of_edges((ea, eb), || {
+        let exact = both_edges(pair, (ea, eb), NO_MOVE);
+        let (d1, d2) = (exact.direction(Side::A, ea), exact.direction(Side::B, eb));
+        let (cross, l1, l2) = (d1.cross(&d2).norm_squared(), d1.norm_squared(), d2.norm_squared());
+        let sine = (cross.clone(), &l1 * &l2);
+        let drift = exact.in_square_metres(cross, l1.max(l2));
+        // Under `revised` both must hold: one can only decide where the other says yes.
+        let (decides, (numerator, denominator)) = match by_territory {
+            true => (at_most(&sine, &pair.set.parallel_sine), drift),
+            false => (pair.set.criteria == Criteria::Classic || at_most(&drift, &pair.set.territory), sine),
+        };
+        decides.then(|| fraction(numerator, denominator))
+    })?;
     let features = [Feature::Edge(Side::A, ea), Feature::Edge(Side::B, eb)];
-    let decision = Decision::about(Predicate::NearlyParallel, &features);
-    match by_territory {
-        true => by_sine.then_some((decision, drift, start)),
-        false => by_drift.then_some((decision, sine, start)),
-    }
+    Some((Decision::about(Predicate::NearlyParallel, &features), BigRational::clone(&squared), start))
 }
 
 /// The relative difference of the gaps of a vertex above two faces of a corner of the other block, to which it is
 /// brought.
-fn equal(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDecision {
+fn equal(sampler: &mut PairSampler<'_>, ladder: &LadderPair<'_>) -> CriticalDecision {
+    let pair = &ladder.directed;
     let corner = Corner::choose(sampler, pair, 2)?;
     let start = corner.visit(sampler, pair)?;
+    let f = *sampler.pick(&corner.faces);
     let (asked, other) = (corner.side, corner.side.other());
+    // The squares of two gaps have a rational ratio; the gaps have one where the areas of the faces do.
+    if !corner.faces.iter().any(|&g| g != f && has_rational_area_ratio(ladder, other, [f, g])) {
+        return None;
+    }
     let vertices = corner.faces.iter().flat_map(|&f| pair.corners(other, f)).chain([(asked, corner.vertex)]);
     let exact = pair.exact(&vertices.collect::<Vec<_>>(), start);
     // Signed squares of the gaps order as the gaps do; a plane without area has the gap 0. None is in lowest terms.
@@ -208,8 +215,8 @@ fn equal(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDeci
         .collect();
     let order = |g: &(FaceId, BigInt, BigInt), h: &(FaceId, BigInt, BigInt)| (&g.1 * &h.2).cmp(&(&h.1 * &g.2));
     let (best, largest, largest_over) = gaps.iter().max_by(|g, h| order(g, h).then(h.0.cmp(&g.0)))?;
-    let (f, second, second_over) = sampler.pick(&gaps);
-    if f == best || largest.is_zero() || largest.is_positive() != second.is_positive() {
+    let (_, second, second_over) = gaps.iter().find(|(face, ..)| *face == f)?;
+    if f == *best || largest.is_zero() || largest.is_positive() != second.is_positive() {
         return None;
     }
     // ε = |h_best − h|/|h_best| = |1 − √(h²/h_best²)|; rational where the ratio is a square: where numerator times denominator is one, in
@@ -222,6 +229,36 @@ fn equal(sampler: &mut PairSampler<'_>, pair: &DirectedPair<'_>) -> CriticalDeci
     }
     let share = BigRational::one() - BigRational::new(root, denominator);
     let [a, b] = corner.contact();
-    let [c, d] = corner.candidate(*f);
+    let [c, d] = corner.candidate(f);
     Some((Decision::about(Predicate::EntranceChoice, &[a, b, c, d]), share.pow(2), start))
+}
+
+/// Whether the ratio of the areas of two faces is rational: where the product of their squares is a square.
+fn has_rational_area_ratio(ladder: &LadderPair<'_>, side: Side, [f, g]: [FaceId; 2]) -> bool {
+    ladder.area_ratios[side as usize].get(f.index(), g.index(), || {
+        let pair = &ladder.directed;
+        let exact = pair.exact(&pair.corners(side, f).chain(pair.corners(side, g)).collect::<Vec<_>>(), NO_MOVE);
+        exact_root(&(exact.normal(side, f).norm_squared() * exact.normal(side, g).norm_squared())).is_some()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::{Block, BlockOptions, Number, ToleranceSet, Vec3};
+
+    /// Of a corner of a cube three faces have the area 1/2, the fourth one of √3/2.
+    #[test]
+    fn areas_have_a_rational_ratio_where_neither_or_both_have_a_root() {
+        let point = |c: [i32; 3]| Vec3::new(c[0], c[1], c[2]).map(|&c| Number::from_integer(c));
+        let points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]].map(point).to_vec();
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(|face| face.map(VertexId).to_vec()).to_vec();
+        let corner = Block::new(points, faces, &BlockOptions::default()).expect("a tetrahedron");
+        let set = ToleranceSet::ZERO;
+        let ladder = LadderPair::new((&corner, &corner), &set, ("equal", 0));
+        for (f, g) in (0..4).flat_map(|f| (0..4).map(move |g| (f, g))) {
+            let rational = has_rational_area_ratio(&ladder, Side::B, [f, g].map(FaceId));
+            assert_eq!(rational, (f == 2) == (g == 2), "{f} {g}");
+        }
+    }
 }

@@ -15,7 +15,7 @@ fn traced(a: &Block, b: &Block, t: &rockproof_model::ToleranceSet) -> (Vec<Compu
 
 /// The candidates of one contact stand together: its two features, then those of the candidate.
 fn is_same_choice(one: &(Decision, i8), two: &(Decision, i8)) -> bool {
-    let of = |&(decision, _): &(Decision, i8)| (decision.predicate, decision.features[0], decision.features[1]);
+    let of = |&(decision, _): &(Decision, i8)| (decision.predicate, decision.features()[0], decision.features()[1]);
     of(one) == of(two)
 }
 
@@ -32,7 +32,7 @@ fn one_entrance_of_each_contact_is_chosen_and_it_is_that_of_the_contact() {
             }
             let chosen: Vec<_> = choice.iter().filter(|(_, outcome)| *outcome == 1).collect();
             assert_eq!(chosen.len(), 1, "{}: {choice:?}", pair.name);
-            let [a, b, c, d] = chosen[0].0.features;
+            let [a, b, c, d] = chosen[0].0.features();
             let contact = found.iter().find(|found| found.contact.key.features().map(Some) == [a, b]);
             if let Some(found) = contact {
                 assert_eq!(found.contact.entrance.features().map(Some), [c, d], "{}", pair.name);
