@@ -53,21 +53,24 @@ fn check(a: &Block, b: &Block, about: &str, levels: &mut LevelCounts) -> usize {
 fn edges_in_planes_of_faces_tell_the_sign_in_fewer_digits() {
     let mut dice = Dice(11);
     let (mut zeros, mut levels, mut pairs) = (0, LevelCounts::default(), 0);
-    for round in 0..60 {
-        let size = 1i64 << (20 + dice.below(25));
+    for round in 0..300 {
+        let size = 1i64 << (30 + dice.below(19));
         let any = |dice: &mut Dice| [0; 3].map(|_: i64| dice.below(2 * size as u64) as i64 - size);
         let spans = [any(&mut dice), any(&mut dice), any(&mut dice)];
-        // Of B's edges one or two are along A's, or along a diagonal of a face of A.
+        // Of B's edges one or two are along A's, along a diagonal of a face of A, or as near to that as may be.
         let sum = |one: [i64; 3], other: [i64; 3]| [0, 1, 2].map(|k| one[k] + other[k]);
-        let along = [spans[0], spans[1].map(|c| -c), sum(spans[0], spans[1]), any(&mut dice)];
-        let others = [along[dice.below(4) as usize], along[dice.below(4) as usize], any(&mut dice)];
+        let mut beside = sum(spans[0], spans[1]);
+        beside[dice.below(3) as usize] += dice.pick(&[-1, 1]);
+        let along = [spans[0], spans[1].map(|c| -c), sum(spans[0], spans[1]), beside, any(&mut dice)];
+        let others = [dice.pick(&along), dice.pick(&along), any(&mut dice)];
         let corner = sum(spans[2], any(&mut dice).map(|c| c >> 10));
         if let (Some(a), Some(b)) = (parallelepiped([0; 3], spans), parallelepiped(corner, others)) {
             zeros += check(&a, &b, &format!("round {round}"), &mut levels);
             pairs += 1;
         }
     }
-    assert!(pairs > 5 && zeros > 200, "{zeros} zeros in {pairs} pairs");
+    let unsure: u64 = levels.ball + levels.i128 + levels.fixed.iter().sum::<u64>() + levels.heap;
+    assert!(pairs > 5 && zeros > 200 && unsure > zeros as u64 + 20, "{zeros} zeros in {pairs} pairs, {levels:?}");
     // Five factors of some 40 bits each would take 256 bits.
     let wide: u64 = levels.fixed.iter().sum::<u64>() + levels.heap;
     assert!(levels.i128 > 100 && wide < levels.i128 / 10, "{levels:?}");
