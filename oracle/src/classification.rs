@@ -112,6 +112,8 @@ pub(crate) struct Classification<'p, 's, O> {
 }
 
 impl<'p, 's, O: Observer> Classification<'p, 's, O> {
+    // Inlined, so that it is made where it stays: it is large to be copied.
+    #[inline(always)]
     pub(crate) fn new(pair: &'p Pair<'s>, tolerances: &'p ToleranceSet, observer: O) -> Self {
         Classification {
             pair,
@@ -125,8 +127,10 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     }
 
     /// The same with contacts kept from the step before.
-    pub(crate) fn with_kept(self, kept: &'p [ContactKey]) -> Self {
-        Classification { kept, ..self }
+    #[inline(always)]
+    pub(crate) fn with_kept(mut self, kept: &'p [ContactKey]) -> Self {
+        self.kept = kept;
+        self
     }
 
     /// Whether the step before left this contact closed: then it may be deeper than g.

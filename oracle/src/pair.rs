@@ -112,22 +112,20 @@ const SMALL_BITS: u32 = 120;
 
 impl PairLattice {
     fn new(a: &PreparedBlock, b: &PreparedBlock) -> PairLattice {
-        let coordinates = || a.block.coordinates().chain(b.block.coordinates());
-        if let Some((lattice, units)) = Lattice::covering_with_units(coordinates(), SMALL_BITS) {
-            let origin = [units[0], units[1], units[2]];
+        let points = a.block.vertices().iter().chain(b.block.vertices());
+        if let Some((lattice, mut units)) = Lattice::covering_points(points, SMALL_BITS) {
+            let origin = units[0];
             let mut bits = 0;
-            let mut vertices = units.chunks_exact(3).map(|v| {
-                let [x, y, z] = [0, 1, 2].map(|k| v[k] - origin[k]);
+            for v in &mut units {
+                *v = Vec3::new(v.x - origin.x, v.y - origin.y, v.z - origin.z);
                 // The highest digit of all.
-                bits |= x.unsigned_abs() | y.unsigned_abs() | z.unsigned_abs();
-                Vec3::new(x, y, z)
-            });
-            let of_a = vertices.by_ref().take(a.block.vertices().len()).collect();
-            let units = [of_a, vertices.collect()];
+                bits |= v.x.unsigned_abs() | v.y.unsigned_abs() | v.z.unsigned_abs();
+            }
+            let of_b = units.split_off(a.block.vertices().len());
             let bits = Bits(128 - bits.leading_zeros());
-            PairLattice { lattice, bits, units: LatticeVertices::Small(units) }
+            PairLattice { lattice, bits, units: LatticeVertices::Small([units, of_b]) }
         } else {
-            let lattice = Lattice::covering(coordinates());
+            let lattice = Lattice::covering(a.block.coordinates().chain(b.block.coordinates()));
             let solids = [a, b];
             let all = solids
                 .map(|s| s.block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect::<Vec<Vec3<BigInt>>>());

@@ -18,6 +18,7 @@ pub(crate) use near::*;
 pub(crate) use region::*;
 pub(crate) use wedge::*;
 
+use crate::pair::Pair;
 use crate::view::View;
 use rockproof_model::decision::Side;
 use rockproof_model::tolerance::LAMBDA_INVERSE;
@@ -48,6 +49,10 @@ pub(crate) trait Polynomial {
     fn variant(&self) -> usize;
     /// The value; only its sign means anything.
     fn value<V: View>(&self, view: &V) -> V::T;
+    /// What has the same sign with fewer digits, if anything has under a condition.
+    fn of_edge_in_plane(&self, _pair: &Pair<'_>) -> Option<OfEdgeInPlane> {
+        None
+    }
     /// What proves the value to be zero with fewer digits, if anything may.
     fn ties_with(&self, _tolerances: &ToleranceSet) -> Option<EqualGaps> {
         None
@@ -65,7 +70,7 @@ pub(crate) enum Denominator {
 }
 
 /// Number of slots for static bounds.
-pub(crate) const SLOTS: usize = after::<NormalsWithin>();
+pub(crate) const SLOTS: usize = after::<EdgeAlongNormal>();
 
 /// The largest degree of all.
 pub(crate) const LARGEST_DEGREE: usize = WedgeDipDepth::DEGREE;

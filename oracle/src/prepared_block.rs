@@ -4,7 +4,7 @@ use crate::number::{Approx, Bound, UNDERFLOW, UNIT_ROUNDOFF, larger, smaller};
 use rockproof_model::block::face_normal;
 use rockproof_model::number::split_f64;
 use rockproof_model::topology::Edge;
-use rockproof_model::{Block, EdgeId, FaceId, Ring, Vec3, VertexId};
+use rockproof_model::{Block, FaceId, Ring, Vec3, VertexId};
 
 /// A block with the f64 vectors its predicates start from, and how far those can be from the exact ones.
 ///
@@ -106,17 +106,23 @@ impl PreparedBlock {
     /// Makes `block` ready.
     pub fn new(block: &Block) -> PreparedBlock {
         let topology = block.topology();
-        let vertices: Vec<Vec3<Approx>> = block.vertices().iter().map(|v| v.map(|c| Approx(c.approximate()))).collect();
+        let vertices: Vec<Vec3<Approx>> =
+            block.vertices().iter().map(|v| v.map(|c| Approx(c.as_f64().unwrap_or_else(|| c.approximate())))).collect();
         let (box_min, box_max) = approximate_box(&vertices);
         let faces: Vec<PreparedFace> = topology.faces().iter().map(|f| PreparedFace::new(f, &vertices)).collect();
         let edges: Vec<PreparedEdge> =
             topology.edges().iter().map(|edge| PreparedEdge::new(edge, &vertices, &faces)).collect();
         let exact = block.coordinates().all(|c| c.as_f64().is_some());
+        let longest_loop = topology.faces().iter().map(Vec::len).max().unwrap_or(3);
         let mut solid = PreparedBlock {
             block: block.clone(),
-            errors: VectorErrors::of(block, &box_min, &box_max, &edges, &faces),
-            longest_loop: topology.faces().iter().map(Vec::len).max().unwrap_or(3),
-            extremes: std::array::from_fn(|axis| extremes(block, exact.then_some(&vertices), axis)),
+            errors: VectorErrors::of(&vertices, exact, longest_loop, [&box_min, &box_max], &edges, &faces),
+            longest_loop,
+            extremes: if exact {
+                extremes_at(&vertices, &box_min, &box_max)
+            } else {
+                std::array::from_fn(|axis| exact_extremes(block, axis))
+            },
             vertices,
             edges,
             faces,
@@ -124,8 +130,10 @@ impl PreparedBlock {
             box_max,
             bulge: 0.0,
         };
+        let VectorErrors { inward, direction, .. } = solid.errors;
+        let bound = Vec3::new(inward, inward, inward).dot(&Vec3::new(direction, direction, direction)).error;
         for face in 0..solid.faces.len() {
-            solid.faces[face].surely_convex = solid.turns_left_only(FaceId::at(face));
+            solid.faces[face].surely_convex = solid.turns_left_only(FaceId::at(face), bound);
         }
         solid.bulge = solid.largest_bulge();
         solid
@@ -137,19 +145,20 @@ impl PreparedBlock {
     }
 
     /// Whether every corner of a face certainly turns left: `m_k · d_{k+1} > 0` beyond its error.
-    fn turns_left_only(&self, face: FaceId) -> bool {
+    fn turns_left_only(&self, face: FaceId, bound: f64) -> bool {
         let topology = self.block.topology();
         let edges = topology.face_edges(face);
         if edges.len() == 3 {
             return true;
         }
-        let VectorErrors { inward, direction, .. } = self.errors;
-        let bound = Vec3::new(inward, inward, inward).dot(&Vec3::new(direction, direction, direction)).error;
-        (0..edges.len()).all(|k| {
-            let [here, next] = [edges[k], edges[(k + 1) % edges.len()]].map(EdgeId::index);
-            let m = &self.edges[here].inwards[usize::from(topology.edges()[here].right == face)];
-            let along = m.dot(&self.edges[next].direction).0;
-            let turn = if topology.edges()[next].right == face { -along } else { along };
+        let mut here = edges[edges.len() - 1].index();
+        let mut here_is_right = topology.edges()[here].right == face;
+        edges.iter().all(|next| {
+            let next = next.index();
+            let next_is_right = topology.edges()[next].right == face;
+            let along = self.edges[here].inwards[usize::from(here_is_right)].dot(&self.edges[next].direction).0;
+            let turn = if next_is_right { -along } else { along };
+            (here, here_is_right) = (next, next_is_right);
             turn > bound
         })
     }
@@ -162,6 +171,7 @@ impl PreparedBlock {
     /// Bounds the distance of a face's vertices from its plane; infinite where a face may have no area.
     fn largest_bulge(&self) -> f64 {
         let mut largest: f64 = 0.0;
+        let (mut errors_for, mut error) = (0, 0.0);
         for (f, face) in self.block.topology().faces().iter().enumerate() {
             if face.len() == 3 {
                 continue;
@@ -180,7 +190,9 @@ impl PreparedBlock {
                     n.dot(&from_first.scaled(count).minus(centre)).0.abs()
                 })
                 .fold(0.0, larger);
-            let error = self.errors.plane_value(self.errors.difference, face.len());
+            if errors_for != face.len() {
+                (errors_for, error) = (face.len(), self.errors.plane_value(self.errors.difference, face.len()));
+            }
             let distance = (worst + error) / (count.0 * lower) * (1.0 + 1e-12);
             // Written so that NaN, too, ends as "no bound".
             if !(lower > 0.0 && distance < f64::INFINITY) {
@@ -193,28 +205,34 @@ impl PreparedBlock {
 }
 
 impl VectorErrors {
+    /// Of a block whose coordinates f64 holds, if they are `exact`.
     fn of(
-        block: &Block,
-        box_min: &[f64; 3],
-        box_max: &[f64; 3],
+        vertices: &[Vec3<Approx>],
+        exact: bool,
+        longest_loop: usize,
+        [box_min, box_max]: [&[f64; 3]; 2],
         edges: &[PreparedEdge],
         faces: &[PreparedFace],
     ) -> VectorErrors {
-        let exact = block.coordinates().all(|c| c.as_f64().is_some());
         let coordinate =
             if exact { 0.0 } else { largest_of(box_min.iter().chain(box_max).copied()) * UNIT_ROUNDOFF + UNDERFLOW };
         let extent = (0..3).map(|k| box_max[k] - box_min[k]).fold(0.0, f64::max);
-        let longest_loop = block.topology().faces().iter().map(Vec::len).max().unwrap_or(3);
         let mut worst = VectorErrors::worst(extent, coordinate, longest_loop);
         if exact {
-            worst.leave_out_what_is_exact(digits_of(block, extent), longest_loop);
+            worst.leave_out_what_is_exact(digits_of(vertices, extent), longest_loop);
         }
-        let direction =
-            Bound::around(largest_component(edges.iter().map(|edge| &edge.direction)), worst.difference.error);
-        let normal = Bound::around(largest_component(faces.iter().map(|face| &face.normal)), worst.normal.error);
+        let (mut directions, mut inwards) = (Largest::default(), Largest::default());
+        for edge in edges {
+            directions.add(&edge.direction);
+            edge.inwards.iter().for_each(|inward| inwards.add(inward));
+        }
+        let mut normals = Largest::default();
+        faces.iter().for_each(|face| normals.add(&face.normal));
+        let direction = Bound::around(directions.of_all(), worst.difference.error);
+        let normal = Bound::around(normals.of_all(), worst.normal.error);
         let across = Vec3::new(normal, normal, normal).cross(&Vec3::new(direction, direction, direction));
         let inward_error = across.x.error.min(worst.inward.error);
-        let inward = Bound::around(largest_component(edges.iter().flat_map(|edge| &edge.inwards)), inward_error);
+        let inward = Bound::around(inwards.of_all(), inward_error);
         VectorErrors { direction, normal, inward, ..worst }
     }
 
@@ -257,16 +275,11 @@ impl VectorErrors {
     }
 }
 
-/// Binary digits of the block's extent, counted in the largest power of two that divides every coordinate. `None` where
+/// Binary digits of the extent of a block with these coordinates, counted in the largest power of two that divides all of them. `None` where
 /// products of three of these might leave the range of f64.
-fn digits_of(block: &Block, extent: f64) -> Option<u32> {
-    let mut unit = i32::MAX;
-    for c in block.coordinates() {
-        let (significand, exponent) = split_f64(c.as_f64()?);
-        if significand != 0 {
-            unit = unit.min(exponent);
-        }
-    }
+fn digits_of(vertices: &[Vec3<Approx>], extent: f64) -> Option<u32> {
+    let place = |c: Approx| if c.0 == 0.0 { i32::MAX } else { split_f64(c.0).1 };
+    let unit = vertices.iter().fold(i32::MAX, |unit, v| unit.min(place(v.x)).min(place(v.y)).min(place(v.z)));
     let (significand, exponent) = split_f64(extent);
     let top = exponent + 64 - significand.leading_zeros() as i32;
     // One more, as the extent may have been rounded down.
@@ -296,22 +309,25 @@ fn approximate_box(vertices: &[Vec3<Approx>]) -> ([f64; 3], [f64; 3]) {
     (min, max)
 }
 
-/// The vertices with the least and the greatest coordinate along an axis; `exact` are the vertices where f64 holds them.
-fn extremes(block: &Block, exact: Option<&Vec<Vec3<Approx>>>, axis: usize) -> (VertexId, VertexId) {
-    let all = block.topology().vertex_ids();
-    match exact {
-        Some(vertices) => least_and_greatest(all, |v| vertices[v.index()].components()[axis]),
-        None => least_and_greatest(all, |v| block.vertices()[v.index()].components()[axis]),
+/// For each axis the first vertex with the least coordinate and the first with the greatest, of vertices that f64 holds and their box.
+fn extremes_at(vertices: &[Vec3<Approx>], box_min: &[f64; 3], box_max: &[f64; 3]) -> [(VertexId, VertexId); 3] {
+    let mut found = [(VertexId(0), VertexId(0)); 3];
+    for (v, at) in vertices.iter().enumerate().rev() {
+        for (axis, c) in at.components().into_iter().enumerate() {
+            let (low, high) = &mut found[axis];
+            // Chosen without jumps: which vertex it is cannot be guessed.
+            *low = if c.0 == box_min[axis] { VertexId::at(v) } else { *low };
+            *high = if c.0 == box_max[axis] { VertexId::at(v) } else { *high };
+        }
     }
+    found
 }
 
-/// The first with the least value, and the first with the greatest.
-fn least_and_greatest<'v, T: PartialOrd + 'v>(
-    all: impl Iterator<Item = VertexId>,
-    value: impl Fn(VertexId) -> &'v T,
-) -> (VertexId, VertexId) {
+/// The same along one axis, of the coordinates themselves.
+fn exact_extremes(block: &Block, axis: usize) -> (VertexId, VertexId) {
+    let value = |v: VertexId| block.vertices()[v.index()].components()[axis];
     let (mut low, mut high) = (VertexId(0), VertexId(0));
-    for v in all {
+    for v in block.topology().vertex_ids() {
         if value(v) < value(low) {
             low = v;
         }
@@ -326,8 +342,22 @@ fn largest_of(values: impl Iterator<Item = f64>) -> f64 {
     values.map(f64::abs).fold(0.0, larger)
 }
 
-fn largest_component<'a>(vectors: impl IntoIterator<Item = &'a Vec3<Approx>>) -> f64 {
-    largest_of(vectors.into_iter().flat_map(|v| [v.x.0, v.y.0, v.z.0]))
+/// The largest size of a component, kept for each axis by itself: that is three short chains of comparisons instead of one long one.
+#[derive(Default)]
+struct Largest([f64; 3]);
+
+impl Largest {
+    #[inline(always)]
+    fn add(&mut self, vector: &Vec3<Approx>) {
+        for (largest, c) in self.0.iter_mut().zip(vector.components()) {
+            *largest = larger(*largest, c.0.abs());
+        }
+    }
+
+    fn of_all(self) -> f64 {
+        let Largest([x, y, z]) = self;
+        larger(larger(x, y), z)
+    }
 }
 
 #[cfg(test)]

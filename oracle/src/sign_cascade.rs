@@ -9,7 +9,7 @@ use crate::field::{DoubleBall, Field};
 use crate::levels::LevelCounts;
 use crate::number::{Approx, Ball, Bits, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
-use crate::predicate::{Polynomial, SLOTS};
+use crate::predicate::{Edge, EdgeAlongNormal, Face, OfEdgeInPlane, Polynomial, SLOTS};
 use crate::unit_bounds::{SizePowers, UnitBounds, unit_bounds_for};
 use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
@@ -34,11 +34,18 @@ struct CarefulStages<'p> {
     bounds: [f64; SLOTS],
     bound_view: OnceCell<BoundView<'p>>,
     scales: ScalesCache,
+    /// Of each block, for each edge its left and its right face: whether it lies in that one's plane, once that is known.
+    edges_in_planes: [Vec<Option<bool>>; 2],
 }
 
 impl Default for CarefulStages<'_> {
     fn default() -> Self {
-        CarefulStages { bounds: [f64::NAN; SLOTS], bound_view: OnceCell::new(), scales: ScalesCache::default() }
+        CarefulStages {
+            bounds: [f64::NAN; SLOTS],
+            bound_view: OnceCell::new(),
+            scales: ScalesCache::default(),
+            edges_in_planes: [Vec::new(), Vec::new()],
+        }
     }
 }
 
@@ -71,6 +78,7 @@ impl ScalesCache {
 }
 
 impl<'p, 's> SignCascade<'p, 's> {
+    #[inline(always)]
     pub(crate) fn new(pair: &'p Pair<'s>, tolerances: &'p ToleranceSet) -> Self {
         let floats = Scales::approximate(tolerances);
         let (unit_bounds, size_powers) = unit_bounds_for(pair, &floats);
@@ -158,6 +166,11 @@ impl<'p, 's> SignCascade<'p, 's> {
                 }
             }
         }
+        if let Some(OfEdgeInPlane { edge, face, other, turn }) = polynomial.of_edge_in_plane(pair)
+            && self.lies_in_plane(edge, face)
+        {
+            return self.sign(&EdgeAlongNormal { edge: other, face }).times(turn);
+        }
         let balls = BallView {
             floats: self.float_view(),
             scales: LazyScales { made: &self.balls, make: &|| Scales::balls(tolerances) },
@@ -192,6 +205,36 @@ impl<'p, 's> SignCascade<'p, 's> {
             Some(bits) => self.sign_of_bits(polynomial, bits),
             None => self.exact_sign(polynomial),
         }
+    }
+
+    /// Whether an edge is not a point and lies in the plane of a face at it.
+    fn lies_in_plane(&mut self, edge: Edge, face: Face) -> bool {
+        let solid = self.pair.solid(edge.0);
+        let topology = solid.block.topology();
+        let ends = topology.edge(edge.1);
+        // Points that f64 tells apart are two.
+        if solid.vertices[ends.p.index()] == solid.vertices[ends.q.index()] {
+            return false;
+        }
+        if topology.face(face.1).len() == 3 {
+            return true;
+        }
+        let (side, number) = (edge.0 as usize, 2 * edge.1.index() + usize::from(ends.right == face.1));
+        let known = self.careful_stages.get().and_then(|stages| stages.edges_in_planes[side].get(number));
+        if let Some(Some(known)) = known {
+            return *known;
+        }
+        // What is found out on the way to a sign is not counted as one.
+        let levels = self.levels;
+        let lies = self.sign(&EdgeAlongNormal { edge, face }).is_zero();
+        self.levels = levels;
+        self.careful_stages.get_or_init(Box::default);
+        if let Some(stages) = self.careful_stages.get_mut() {
+            let known = &mut stages.edges_in_planes[side];
+            known.resize(known.len().max(number + 1), None);
+            known[number] = Some(lies);
+        }
+        lies
     }
 
     /// The sign in integers of the least width that holds every intermediate value.

@@ -22,6 +22,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 mod definite;
+mod edge_in_plane;
 mod integer_width;
 mod limits;
 mod replayed;
@@ -351,6 +352,9 @@ fn show_all(pair: &Pair<'_>, dice: &mut Dice, visitor: &mut impl Visitor) {
         visitor.visit(&CommonFoot { edge_a, edge_b, on: vertex.0, from_end: flip });
         visitor.visit(&inward);
         visitor.visit(&WedgeDipAngle(inward));
+        for edge in [(Side::A, edge_a), (Side::B, edge_b)] {
+            visitor.visit(&EdgeAlongNormal { edge, face });
+        }
     }
     visitor.visit(&ParallelAngle { edge_a, edge_b });
     visitor.visit(&Orientation { edge_a, edge_b });
@@ -534,4 +538,5 @@ fn polynomials_have_the_degree_they_say() {
     degree.check(&LargerGap { first, second, factor: Factor::OnePlusEqual });
     degree.check(&NormalsAgree { first, second });
     degree.check(&NormalsWithin { first, second });
+    degree.check(&EdgeAlongNormal { edge: (Side::A, EdgeId(2)), face });
 }

@@ -4,13 +4,10 @@
 
 use crate::number::{Approx, Ball, Bits, Bound, larger, smaller};
 use crate::prepared_block::{PreparedBlock, VectorErrors, centre_sum, subtracted};
-use foldhash::fast::FixedState;
 use rockproof_model::block::face_normal;
 use rockproof_model::decision::Side;
 use rockproof_model::{Block, EdgeId, FaceId, Ring, Topology, Vec3, VertexId};
 use std::cell::{OnceCell, RefCell};
-use std::collections::HashMap;
-use std::hash::Hash;
 
 /// The lengths and sines a predicate compares with. A length is `search / unit` lattice units (or metres), a sine
 /// `overlap / one`, so that exact types need no fractions.
@@ -347,25 +344,36 @@ pub(crate) struct ExactView<'p, 's, T> {
 pub(crate) struct ExactBlock<'p, T> {
     topology: &'p Topology,
     vertices: Vec<Vec3<T>>,
-    normals: Known<FaceId, T>,
-    centres: Known<FaceId, T>,
-    inwards: Known<(EdgeId, bool), T>,
+    /// By face.
+    normals: Known<T>,
+    /// By face.
+    centres: Known<T>,
+    /// By edge: the left one, then the right one.
+    inwards: Known<T>,
 }
 
-/// The vectors of features that were asked for.
-struct Known<K, T>(RefCell<HashMap<K, Vec3<T>, FixedState>>);
+/// The vectors of features that were asked for, and for each feature by its number the place of its vector, counted from 1, or 0.
+struct Known<T>(RefCell<(Vec<u32>, Vec<Vec3<T>>)>);
 
-impl<K: Eq + Hash, T: Clone> Known<K, T> {
+impl<T: Clone> Known<T> {
     fn none() -> Self {
-        Known(RefCell::new(HashMap::with_hasher(FixedState::default())))
+        Known(RefCell::new((Vec::new(), Vec::new())))
     }
 
-    fn get_or_make(&self, of: K, make: impl FnOnce() -> Vec3<T>) -> Vec3<T> {
-        if let Some(known) = self.0.borrow().get(&of) {
-            return known.clone();
+    fn get_or_make(&self, number: usize, make: impl FnOnce() -> Vec3<T>) -> Vec3<T> {
+        let known = |(places, vectors): &(Vec<u32>, Vec<Vec3<T>>)| {
+            let place = places.get(number).copied().unwrap_or(0);
+            (place != 0).then(|| vectors[place as usize - 1].clone())
+        };
+        if let Some(known) = known(&self.0.borrow()) {
+            return known;
         }
+        // What is made may itself ask for others.
         let made = make();
-        self.0.borrow_mut().insert(of, made.clone());
+        let (places, vectors) = &mut *self.0.borrow_mut();
+        vectors.push(made.clone());
+        places.resize(places.len().max(number + 1), 0);
+        places[number] = vectors.len() as u32;
         made
     }
 }
@@ -381,7 +389,7 @@ impl<'p, T: Ring> ExactBlock<'p, T> {
     }
 
     fn normal(&self, face: FaceId) -> Vec3<T> {
-        self.normals.get_or_make(face, || face_normal(&self.vertices, &self.topology.faces()[face.index()]))
+        self.normals.get_or_make(face.index(), || face_normal(&self.vertices, &self.topology.faces()[face.index()]))
     }
 }
 
@@ -410,11 +418,11 @@ impl<T: Ring> View for ExactView<'_, '_, T> {
     }
     fn centre(&self, side: Side, face: FaceId) -> Vec3<T> {
         let solid = self.solid(side);
-        solid.centres.get_or_make(face, || centre_sum(&solid.vertices, solid.topology.face(face)))
+        solid.centres.get_or_make(face.index(), || centre_sum(&solid.vertices, solid.topology.face(face)))
     }
     fn inward(&self, side: Side, edge: EdgeId, right: bool) -> Vec3<T> {
         let solid = self.solid(side);
-        solid.inwards.get_or_make((edge, right), || {
+        solid.inwards.get_or_make(2 * edge.index() + usize::from(right), || {
             let ends = &solid.topology.edge(edge);
             let d = solid.direction(edge);
             if right { solid.normal(ends.right).cross(&d.negated()) } else { solid.normal(ends.left).cross(&d) }

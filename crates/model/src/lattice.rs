@@ -5,6 +5,7 @@
 //! needs integers only.
 
 use crate::number::{Number, split_f64};
+use crate::vector::Vec3;
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_traits::{One, ToPrimitive};
@@ -41,35 +42,49 @@ impl Lattice {
         Lattice { exponent: if exponent == i32::MIN { 0 } else { exponent }, odd, small_odd }
     }
 
-    /// [`Lattice::covering`] and the numbers in its units, where each has at most `bits` bits there (at most 126) and all have few digits.
-    pub fn covering_with_units<'a>(
-        numbers: impl IntoIterator<Item = &'a Number, IntoIter: Clone>,
+    /// [`Lattice::covering`] of the coordinates of points, and these in its units, where each has at most `bits` bits there (at most 126) and all have
+    /// few digits.
+    pub fn covering_points<'a>(
+        points: impl Iterator<Item = &'a Vec3<Number>> + Clone,
         bits: u32,
-    ) -> Option<(Lattice, Vec<i128>)> {
-        let numbers = numbers.into_iter();
-        if let Some(found) = binary_units(numbers.clone(), bits) {
-            return Some(found);
-        }
-        let mut parts = Vec::new();
+    ) -> Option<(Lattice, Vec<Vec3<i128>>)> {
         let (mut exponent, mut odd) = (i32::MIN, 1u64);
-        for number in numbers {
-            let (p, m, k) = number.small_fraction()?;
-            if p != 0 {
+        let mut fractions = Vec::new();
+        for point in points.clone() {
+            for number in point.components() {
+                if let Some(value) = number.as_f64() {
+                    if value != 0.0 {
+                        exponent = exponent.max(-split_f64(value).1);
+                    }
+                    continue;
+                }
+                let (p, m, k) = number.small_fraction()?;
                 exponent = exponent.max(-k);
+                if !odd.is_multiple_of(m) {
+                    odd = (odd / odd.gcd(&m)).checked_mul(m)?;
+                }
+                fractions.push((p, m, k));
             }
-            if !odd.is_multiple_of(m) {
-                odd = (odd / odd.gcd(&m)).checked_mul(m)?;
-            }
-            parts.push((p, m, k));
         }
         let exponent = if exponent == i32::MIN { 0 } else { exponent };
-        let units = parts.into_iter().map(|(p, m, k)| {
-            let whole = if m == odd { p } else { p.checked_mul(i128::from(odd / m))? };
+        let mut fractions = fractions.into_iter();
+        let mut unit = |number: &Number| {
+            let (whole, k) = if let Some(value) = number.as_f64() {
+                let (p, k) = split_f64(value);
+                // Less than 2⁵³ times 2⁶⁴.
+                (i128::from(p) * i128::from(odd), k)
+            } else {
+                let (p, m, k) = fractions.next()?;
+                (p.checked_mul(i128::from(odd / m))?, k)
+            };
             let (width, shift) = (i128::BITS - whole.unsigned_abs().leading_zeros(), k + exponent);
             let held = whole == 0 || i64::from(width) + i64::from(shift) <= i64::from(bits);
             held.then(|| whole << shift.clamp(0, 126))
-        });
-        let units = units.collect::<Option<Vec<i128>>>()?;
+        };
+        let mut units = Vec::with_capacity(points.size_hint().0);
+        for point in points {
+            units.push(Vec3::new(unit(&point.x)?, unit(&point.y)?, unit(&point.z)?));
+        }
         Some((Lattice { exponent, odd: odd.into(), small_odd: Some(odd) }, units))
     }
 
@@ -129,29 +144,6 @@ impl Lattice {
     }
 }
 
-/// [`Lattice::covering_with_units`] for numbers that f64 holds.
-fn binary_units<'a>(numbers: impl Iterator<Item = &'a Number> + Clone, bits: u32) -> Option<(Lattice, Vec<i128>)> {
-    let (mut lowest, mut count) = (i32::MAX, 0);
-    for number in numbers.clone() {
-        let value = number.as_f64()?;
-        if value != 0.0 {
-            lowest = lowest.min(split_f64(value).1);
-        }
-        count += 1;
-    }
-    let lowest = if lowest == i32::MAX { 0 } else { lowest };
-    let mut units = Vec::with_capacity(count);
-    for number in numbers {
-        let (significand, exponent) = split_f64(number.as_f64()?);
-        let shift = (exponent - lowest).max(0) as u32;
-        if significand != 0 && u64::BITS - significand.unsigned_abs().leading_zeros() + shift > bits {
-            return None;
-        }
-        units.push(i128::from(significand) << shift.min(126));
-    }
-    Some((Lattice { exponent: -lowest, odd: BigInt::one(), small_odd: Some(1) }, units))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -171,18 +163,24 @@ mod tests {
         }
         let above = lattice.metre_bits() as usize;
         assert!(numerator <= &denominator << above && numerator > &denominator << (above - 1));
+        let covering = |numbers: &[Number], bits| {
+            let points = numbers.iter().map(|n| Vec3::new(n.clone(), Number::ZERO, n.negated())).collect::<Vec<_>>();
+            let (lattice, units) = Lattice::covering_points(points.iter(), bits)?;
+            assert!(units.iter().all(|v| v.y == 0 && v.z == -v.x), "{units:?}");
+            Some((lattice, units.iter().map(|v| v.x).collect::<Vec<i128>>()))
+        };
         let units = numbers.iter().map(|number| lattice.small_units(number, 120)).collect::<Option<Vec<_>>>();
         let widest = units.iter().flatten().map(|u| 128 - u.unsigned_abs().leading_zeros()).max().unwrap();
-        assert_eq!(Lattice::covering_with_units(&numbers, widest), units.map(|units| (lattice, units)));
-        assert_eq!(Lattice::covering_with_units(&numbers, widest - 1), None);
+        assert_eq!(covering(&numbers, widest), units.map(|units| (lattice, units)));
+        assert_eq!(covering(&numbers, widest - 1), None);
         let coarse = [ratio(1 << 40, 1), ratio(3 << 41, 1)];
         let lattice = Lattice::covering(&coarse);
         assert_eq!(lattice.small_units(&coarse[1], 4), Some(6));
         assert_eq!(lattice.small_units(&coarse[1], 2), None);
-        assert_eq!(Lattice::covering_with_units(&coarse, 3), Some((lattice, vec![1, 6])));
+        assert_eq!(covering(&coarse, 3), Some((lattice, vec![1, 6])));
         let (numbers, lattice) = ([ratio(0, 1), ratio(-3, 8)], Lattice::covering(&[ratio(3, 8)]));
-        assert_eq!(Lattice::covering_with_units(&numbers, 2), Some((lattice, vec![0, -3])));
-        assert_eq!(Lattice::covering_with_units(&numbers[..1], 2), Some((Lattice::unity(), vec![0])));
-        assert_eq!(Lattice::covering_with_units([&ratio(1, (1 << 62) - 1), &ratio(1, (1 << 61) - 1)], 126), None);
+        assert_eq!(covering(&numbers, 2), Some((lattice, vec![0, -3])));
+        assert_eq!(covering(&numbers[..1], 2), Some((Lattice::unity(), vec![0])));
+        assert_eq!(covering(&[ratio(1, (1 << 62) - 1), ratio(1, (1 << 61) - 1)], 126), None);
     }
 }

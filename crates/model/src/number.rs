@@ -193,16 +193,14 @@ impl Number {
     }
 
     /// The value as p/m · 2^k with odd m; `None` where p or m has many digits.
+    #[inline]
     pub fn small_fraction(&self) -> Option<(i128, u64, i32)> {
         match &self.0 {
             NumberForm::Float(value) => {
                 let (significand, exponent) = split_f64(*value);
                 Some((i128::from(significand), 1, exponent))
             }
-            NumberForm::Ratio(value) => {
-                let (odd, twos) = odd_and_twos(value.denom())?;
-                Some((value.numer().to_i128()?, odd, -(twos as i32)))
-            }
+            NumberForm::Ratio(value) => small_fraction_of_ratio(value),
         }
     }
 
@@ -376,6 +374,11 @@ fn ratio_plus_float(ratio: &BigRational, float: f64) -> BigRational {
 pub fn exact_log2(integer: &BigInt) -> Option<u64> {
     let twos = integer.trailing_zeros()?;
     (integer.is_positive() && twos + 1 == integer.bits()).then_some(twos)
+}
+
+fn small_fraction_of_ratio(value: &BigRational) -> Option<(i128, u64, i32)> {
+    let (odd, twos) = odd_and_twos(value.denom())?;
+    Some((value.numer().to_i128()?, odd, -(twos as i32)))
 }
 
 /// The p and k of a positive integer `p · 2^k` with odd p, where few digits hold it.

@@ -67,8 +67,8 @@ pub(crate) struct EdgesReject {
 }
 
 impl<O: Observer> Classification<'_, '_, O> {
-    /// The faces of the block on `side`.
-    pub(crate) fn face_rejects(&self, side: Side) -> SmallVec<[FaceReject; 8]> {
+    /// Adds the faces of the block on `side`.
+    pub(crate) fn find_face_rejects(&self, side: Side, rejects: &mut SmallVec<[FaceReject; 8]>) {
         let solid = self.pair.solid(side);
         let kind = match side {
             Side::B => EntranceKind::VertexFace,
@@ -92,7 +92,7 @@ impl<O: Observer> Classification<'_, '_, O> {
                 limits: limits.map(|(square, bound)| beyond(square * plane_size.0, bound)),
             }
         };
-        (0..).map(FaceId).zip(&solid.faces).map(face).collect()
+        rejects.extend((0..).map(FaceId).zip(&solid.faces).map(face));
     }
 
     /// Whether a vertex is certainly too far above a face's plane, or too deep below (where the contact is not kept).

@@ -31,7 +31,8 @@ impl Pair<'_> {
     /// The contacts of the pair where the step before left the contacts `kept` of it closed: these may be deeper than g;
     /// every other condition holds for them as for all. Order and repetitions do not matter.
     pub fn classify_with_kept(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Answer {
-        let mut run = Classification::new(self, tolerances, Unobserved).with_kept(kept);
+        let mut run = Classification::new(self, tolerances, Unobserved);
+        run.kept = kept;
         let contacts = run.classify();
         Answer { contacts, levels: run.cascade.levels }
     }
@@ -49,7 +50,9 @@ impl<O: Observer> Classification<'_, '_, O> {
         }
         let CullingDistances { contact: distance, territory } = self.culling_distances();
         self.territory_distance = territory;
-        let (a, b) = (self.features_within(Side::A, distance), self.features_within(Side::B, distance));
+        let (mut a, mut b) = (NearFeatures::default(), NearFeatures::default());
+        self.find_features_within(Side::A, distance, &mut a);
+        self.find_features_within(Side::B, distance, &mut b);
         let mut found = Vec::new();
         self.vertex_vertex_contacts(&a, &b, distance, &mut found);
         self.vertex_edge_contacts(Side::A, &a, &b, distance, &mut found);
@@ -133,7 +136,8 @@ impl<O: Observer> Classification<'_, '_, O> {
 
     /// v-f for vertices of A, f-v for vertices of B.
     fn vertex_face_contacts(&mut self, side: Side, own: &NearFeatures, found: &mut Vec<ExitCandidate>) {
-        let faces = self.face_rejects(side.other());
+        let mut faces = SmallVec::new();
+        self.find_face_rejects(side.other(), &mut faces);
         let solid = self.pair.solid(side);
         let beyond = self.kept_vertices_beyond(side, own);
         for &v in own.vertices.iter().chain(&beyond) {

@@ -61,11 +61,10 @@ impl<O: Observer> Classification<'_, '_, O> {
         }
     }
 
-    /// The features of the block on `side` that come within `distance` of the other block's box.
-    pub(crate) fn features_within(&self, side: Side, distance: f64) -> NearFeatures {
+    /// Adds the features of the block on `side` that come within `distance` of the other block's box.
+    pub(crate) fn find_features_within(&self, side: Side, distance: f64, near: &mut NearFeatures) {
         let (solid, other) = (self.pair.solid(side), self.pair.solid(side.other()));
         let grown = GrownBox { min: other.box_min.map(|c| c - distance), max: other.box_max.map(|c| c + distance) };
-        let mut near = NearFeatures::default();
         for v in solid.block.topology().vertex_ids() {
             let at = point(solid, v);
             if !grown.misses(&at, &at) {
@@ -78,7 +77,6 @@ impl<O: Observer> Classification<'_, '_, O> {
                 near.edges.push(e);
             }
         }
-        near
     }
 
     /// The vertices of the block on `side` that are named by kept contacts with faces and not in `near`; each once.

@@ -13,8 +13,9 @@ use crate::classification::{Classification, Observer, Unobserved};
 use crate::number::Approx;
 use crate::pair::Pair;
 use crate::prepared_block::PreparedBlock;
+use crate::view::Scales;
 use rockproof_model::decision::Side;
-use rockproof_model::{Block, Contact, ContactKey, Criteria, FaceId, ToleranceSet, Vec3, VertexId};
+use rockproof_model::{Block, Contact, ContactKey, FaceId, ToleranceSet, Vec3, VertexId};
 use smallvec::SmallVec;
 
 /// The pairs of features of two blocks that can be in a contact while no vertex of either moves further than a margin.
@@ -58,10 +59,11 @@ impl NearbyFeatures {
 
     /// Whether they are all that matters for a pair under these tolerances: it is the same pair, and no vertex is further than the margin from where it
     /// was. **Who is in doubt says no.**
-    fn cover(&self, pair: &Pair<'_>, tolerances: &ToleranceSet) -> bool {
+    fn cover<O: Observer>(&self, run: &Classification<'_, '_, O>) -> bool {
+        let pair = run.pair;
         let blocks = [pair.a, pair.b];
         let same = || blocks.into_iter().zip(&self.blocks).all(|(now, then)| now.block.has_shape_of(&then.block));
-        if self.tolerances != approximately(tolerances) || !same() {
+        if self.tolerances != approximate_tolerances(run) || !same() {
             return false;
         }
         // Both blocks moved alike change nothing.
@@ -84,9 +86,9 @@ impl NearbyFeatures {
 }
 
 /// The tolerances of SPEC section 4, rounded: what is found holds for all sets that round to the same.
-fn approximately(t: &ToleranceSet) -> ([f64; 6], bool) {
-    let numbers = [&t.search, &t.territory, &t.penetration, &t.overlap_sine, &t.parallel_sine, &t.equal];
-    (numbers.map(|number| number.approximate()), t.criteria == Criteria::Classic)
+fn approximate_tolerances<O: Observer>(run: &Classification<'_, '_, O>) -> ([f64; 6], bool) {
+    let Scales { search, territory, penetration, overlap, parallel, equal, .. } = *run.float_view().scales;
+    ([search, territory, penetration, overlap, parallel, equal].map(|number| number.0), run.classic)
 }
 
 impl Pair<'_> {
@@ -102,11 +104,12 @@ impl Pair<'_> {
             block: solid.block.clone(),
             vertices: solid.vertices.iter().copied().collect(),
         };
-        let pairs = Classification::new(self, tolerances, Unobserved).find_nearby_features(margin);
+        let mut run = Classification::new(self, tolerances, Unobserved);
+        let pairs = run.find_nearby_features(margin);
         Some(NearbyFeatures {
             blocks: [place(self.a), place(self.b)],
             margin,
-            tolerances: approximately(tolerances),
+            tolerances: approximate_tolerances(&run),
             pairs: pairs.into_boxed_slice(),
         })
     }
@@ -114,11 +117,9 @@ impl Pair<'_> {
     /// As [`Pair::classify_with_kept`]: only the pairs of features `nearby` are looked at if the blocks are proved to be near where these were found, and all if
     /// not. The contacts are the same.
     pub fn classify_nearby(&self, tolerances: &ToleranceSet, nearby: &NearbyFeatures, kept: &[ContactKey]) -> Answer {
-        if !nearby.cover(self, tolerances) {
-            return self.classify_with_kept(tolerances, kept);
-        }
-        let mut run = Classification::new(self, tolerances, Unobserved).with_kept(kept);
-        let contacts = run.classify_among(&nearby.pairs);
+        let mut run = Classification::new(self, tolerances, Unobserved);
+        run.kept = kept;
+        let contacts = if nearby.cover(&run) { run.classify_among(&nearby.pairs) } else { run.classify() };
         Answer { contacts, levels: run.cascade.levels }
     }
 }

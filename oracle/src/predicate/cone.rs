@@ -69,3 +69,22 @@ impl Polynomial for EdgeDipDepth {
         limit.times(&n.norm_squared()).minus(&unit.times(&e.dot(&n).squared()))
     }
 }
+
+/// `d·N` of any edge and any face: zero where the edge is parallel to the face's plane.
+pub(crate) struct EdgeAlongNormal {
+    pub(crate) edge: Edge,
+    pub(crate) face: Face,
+}
+
+impl Polynomial for EdgeAlongNormal {
+    const FIRST_SLOT: usize = after::<NormalsWithin>();
+    const VARIANTS: usize = 4;
+    const DEGREE: usize = 3;
+    const WITHIN_BLOCKS: bool = true;
+    fn variant(&self) -> usize {
+        side_of(self.edge.0) * 2 + side_of(self.face.0)
+    }
+    fn value<V: View>(&self, view: &V) -> V::T {
+        view.direction(self.edge.0, self.edge.1).dot(&view.normal(self.face.0, self.face.1))
+    }
+}

@@ -1,6 +1,7 @@
 //! Two edges: nearly parallel, crossing, and whether their faces pass one another.
 
 use super::*;
+use rockproof_model::Sign;
 
 /// `sp²|d₁|²|d₂|² − |d₁ × d₂|²`: at least zero for nearly parallel edges.
 pub(crate) struct ParallelAngle {
@@ -120,6 +121,15 @@ impl Polynomial for Orientation {
     }
 }
 
+/// A sign that is that of `d·N` of another edge, or the opposite, where an edge is not a point and lies in the plane of a face at it. Edges of planar
+/// faces do; of others rounding leaves something of `d·N`.
+pub(crate) struct OfEdgeInPlane {
+    pub(crate) edge: Edge,
+    pub(crate) face: Face,
+    pub(crate) other: Edge,
+    pub(crate) turn: Sign,
+}
+
 /// `n·m` with `n = d₁ × d₂`, m an inward direction at one of the two edges.
 #[derive(Clone, Copy)]
 pub(crate) struct InwardAcross {
@@ -152,6 +162,17 @@ impl Polynomial for InwardAcross {
     fn value<V: View>(&self, view: &V) -> V::T {
         let edge = self.edge();
         across(view, self.edge_a, self.edge_b).dot(&view.inward(edge.0, edge.1, self.right))
+    }
+    fn of_edge_in_plane(&self, pair: &Pair<'_>) -> Option<OfEdgeInPlane> {
+        // By Lagrange, with m = N × d_A: (d_A × d_B)·m = (d_A·N)(d_A·d_B) − |d_A|²(d_B·N); with m = N × d_B: (d_B·N)… + |d_B|²(d_A·N).
+        let (own, other) = match self.side {
+            Side::A => ((Side::A, self.edge_a), (Side::B, self.edge_b)),
+            Side::B => ((Side::B, self.edge_b), (Side::A, self.edge_a)),
+        };
+        let ends = pair.topology(own.0).edge(own.1);
+        let face = (own.0, if self.right { ends.right } else { ends.left });
+        let turn = if (self.side == Side::A) == self.right { Sign::Positive } else { Sign::Negative };
+        Some(OfEdgeInPlane { edge: own, face, other, turn })
     }
 }
 

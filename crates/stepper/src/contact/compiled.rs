@@ -34,13 +34,13 @@ pub trait CompiledContacts: Sized {
 
 /// [`PreparedBlock::new`], the generic way.
 fn prepare<R: Real>(block: &Block) -> Result<PreparedBlock<R>, Collapsed> {
-    let topology = block.topology();
-    let mut points = Vec::with_capacity(topology.vertex_count());
+    let mut solid = PreparedBlock::unprepared(block.clone());
     for (v, exact) in block.vertices().iter().enumerate() {
         let near = |number| R::from_number(number).ok_or(Collapsed { what: CollapsedPart::Vertex(VertexId::at(v)) });
-        points.push(Vector::new(near(&exact.x)?, near(&exact.y)?, near(&exact.z)?));
+        solid.place(Vector::new(near(&exact.x)?, near(&exact.y)?, near(&exact.z)?));
     }
-    PreparedBlock::unprepared(block.clone()).with_points(&points)
+    solid.prepare()?;
+    Ok(solid)
 }
 
 /// The contacts by any rules, watched by nobody.

@@ -1,10 +1,16 @@
 //! What classification needs of one block, computed once (SPEC section 2).
 
+mod collapsed;
+mod preparation;
+
+pub use collapsed::{Collapsed, CollapsedPart};
+
 use crate::contact::broad::Bounds;
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::topology::Edge;
 use rockproof_model::{Block, EdgeId, FaceId, VertexId};
+use std::mem::ManuallyDrop;
 use std::sync::OnceLock;
 
 /// A block prepared for classification in one precision. What only some features of a pair are asked for (directions into faces, widths of
@@ -18,6 +24,13 @@ pub struct PreparedBlock<R> {
     faces: Vec<Face<R>>,
     /// Greatest distance of a vertex from the plane of a face of it.
     bulge: OnceLock<R>,
+}
+
+/// What is worked out when first asked. Numbers have nothing to be dropped, but to learn that a block would be gone through once more.
+type WhenAsked<T> = ManuallyDrop<OnceLock<T>>;
+
+const fn not_asked<T>() -> WhenAsked<T> {
+    ManuallyDrop::new(OnceLock::new())
 }
 
 /// A vertex of a prepared block.
@@ -56,9 +69,9 @@ pub struct PreparedEdge<R> {
     /// Length.
     pub length: R,
     /// Unit directions into the left and the right face.
-    into: [OnceLock<Vector<R>>; 2],
+    into: [WhenAsked<Vector<R>>; 2],
     /// Greatest distance of a vertex of each face from the edge's line.
-    widths: OnceLock<[R; 2]>,
+    widths: WhenAsked<[R; 2]>,
 }
 
 impl<R: Real> PreparedEdge<R> {
@@ -79,7 +92,7 @@ pub struct Face<R> {
     /// `c_f`, the mean of the vertices.
     pub point: Vector<R>,
     /// Whether no corner turns right.
-    turns_left: OnceLock<bool>,
+    turns_left: WhenAsked<bool>,
 }
 
 impl<R: Real> Face<R> {
@@ -116,41 +129,6 @@ impl FaceOfEdge {
     }
 }
 
-/// A feature that rounding left without extent, or that overflowed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} in the stepper's precision")]
-pub struct Collapsed {
-    /// What collapsed.
-    pub what: CollapsedPart,
-}
-
-/// The part of a block that collapsed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CollapsedPart {
-    /// A vertex with a coordinate out of range.
-    Vertex(VertexId),
-    /// An edge without length, or whose length overflows.
-    Edge(EdgeId),
-    /// A face without area.
-    Face(FaceId),
-    /// A face so large that its area overflows.
-    LargeFace(FaceId),
-    /// A face whose plane holds no direction across one of its edges.
-    EdgeOfFace(EdgeId, FaceId),
-}
-
-impl std::fmt::Display for CollapsedPart {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            CollapsedPart::Vertex(v) => write!(f, "vertex {v} overflows"),
-            CollapsedPart::Edge(e) => write!(f, "edge {e} has no length"),
-            CollapsedPart::Face(face) => write!(f, "face {face} has no area"),
-            CollapsedPart::LargeFace(face) => write!(f, "the area of face {face} overflows"),
-            CollapsedPart::EdgeOfFace(e, face) => write!(f, "face {face} has no direction across its edge {e}"),
-        }
-    }
-}
-
 impl<R: Real> PreparedBlock<R> {
     /// Prepares a block. Coordinates are rounded to nearest; convexity flags stay those of the exact block.
     ///
@@ -158,47 +136,6 @@ impl<R: Real> PreparedBlock<R> {
     /// When rounding collapsed the block, naming the feature.
     pub fn new(block: &Block) -> Result<PreparedBlock<R>, Collapsed> {
         R::prepare(block)
-    }
-
-    /// A block of which nothing is known yet.
-    pub(crate) fn unprepared(block: Block) -> PreparedBlock<R> {
-        let bounds = Bounds { low: Vector::ZERO, high: Vector::ZERO };
-        let (vertices, edges, faces) = (Vec::new(), Vec::new(), Vec::new());
-        PreparedBlock { block, bounds, vertices, edges, faces, bulge: OnceLock::new() }
-    }
-
-    /// Prepares it with its vertices at these points, in the memory that it has; its convexity flags and what it touches stay as they are.
-    ///
-    /// # Errors
-    /// When a feature has no extent, naming it.
-    pub fn with_points(self, points: &[Vector<R>]) -> Result<PreparedBlock<R>, Collapsed> {
-        let PreparedBlock { block, mut vertices, mut edges, mut faces, .. } = self;
-        vertices.clear();
-        edges.clear();
-        faces.clear();
-        let topology = block.topology();
-        faces.reserve_exact(topology.faces().len());
-        for (f, corners) in topology.faces().iter().enumerate() {
-            let area = area_vector(points, corners);
-            let size = area.length();
-            if !has_extent(size) {
-                let (is_large, face) = (!size.is_finite(), FaceId::at(f));
-                let what = if is_large { CollapsedPart::LargeFace(face) } else { CollapsedPart::Face(face) };
-                return Err(Collapsed { what });
-            }
-            faces.push(face(points, corners, area, area / size));
-        }
-        edges.reserve_exact(topology.edges().len());
-        for e in topology.edge_ids() {
-            edges.push(ridge(&block, points, &faces, e)?);
-        }
-        vertices.extend((0..).map(VertexId).zip(points).map(|(v, &at)| {
-            let lengths = topology.vertex_edges(v).iter().map(|&e| edges[e.index()].length);
-            let shortest = lengths.reduce(R::smaller).unwrap_or(R::ZERO);
-            Vertex { at, shortest, convex: block.vertex_is_convex(v) }
-        }));
-        let bounds = Bounds::around(points);
-        Ok(PreparedBlock { block, bounds, vertices, edges, faces, bulge: OnceLock::new() })
     }
 
     /// The block this was prepared from, with its own exact coordinates.
@@ -334,64 +271,4 @@ impl<R: Real> PreparedBlock<R> {
         let away = if ridge.edge.p == vertex { ridge.direction } else { -ridge.direction };
         EdgeAtVertex { away, length: ridge.length }
     }
-}
-
-/// Positive and finite. Collapse is no decision of SPEC section 4, so nothing is counted.
-fn has_extent<R: Real>(size: R) -> bool {
-    R::ZERO.below(size) && size.is_finite()
-}
-
-/// `N_f`, twice the area vector, relative to the loop's first vertex.
-fn area_vector<R: Real>(points: &[Vector<R>], corners: &[VertexId]) -> Vector<R> {
-    let origin = points[corners[0].index()];
-    let mut normal = Vector::ZERO;
-    let mut before = points[corners[1].index()] - origin;
-    for &corner in &corners[2..] {
-        let next = points[corner.index()] - origin;
-        normal = normal + before.cross(next);
-        before = next;
-    }
-    normal
-}
-
-fn face<R: Real>(points: &[Vector<R>], corners: &[VertexId], area: Vector<R>, normal: Vector<R>) -> Face<R> {
-    let origin = points[corners[0].index()];
-    let mut sum = Vector::ZERO;
-    for &corner in &corners[1..] {
-        sum = sum + (points[corner.index()] - origin);
-    }
-    Face { normal, area, point: origin + sum / R::from_f64(corners.len() as f64), turns_left: OnceLock::new() }
-}
-
-fn ridge<R: Real>(
-    block: &Block,
-    points: &[Vector<R>],
-    faces: &[Face<R>],
-    e: EdgeId,
-) -> Result<PreparedEdge<R>, Collapsed> {
-    let edge = block.topology().edge(e);
-    let (p, q) = (points[edge.p.index()], points[edge.q.index()]);
-    let along = q - p;
-    let length = along.length();
-    if !has_extent(length) {
-        return Err(Collapsed { what: CollapsedPart::Edge(e) });
-    }
-    let direction = along / length;
-    for side in FaceOfEdge::BOTH {
-        let across = faces[side.of(edge).index()].across(direction, side);
-        // The root of something that is positive and finite is so too, and the other way round: the length itself can wait.
-        if !has_extent(across.dot(across)) {
-            return Err(Collapsed { what: CollapsedPart::EdgeOfFace(e, side.of(edge)) });
-        }
-    }
-    Ok(PreparedEdge {
-        edge: *edge,
-        convex: block.edge_is_convex(e),
-        p,
-        q,
-        direction,
-        length,
-        into: [OnceLock::new(), OnceLock::new()],
-        widths: OnceLock::new(),
-    })
 }
