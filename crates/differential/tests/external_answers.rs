@@ -66,21 +66,27 @@ fn a_line_that_nobody_asked_for_is_no_matter_of_a_fresh_process() {
     let stale = "while read line; do echo '{\"id\":0,\"contacts\":[]}'; done";
     // The next question is asked before this line comes, and read after it.
     let while_asked = "n=0; while read line; do [ $n -gt 0 ] && echo late && sleep 0.02; echo \"{\\\"id\\\":$n,\\\"contacts\\\":[]}\"; n=$((n+1)); done";
-    for (script, what) in [(late, "nobody asked for"), (stale, "id is 0"), (while_asked, "")] {
-        for ask_twice in [false, true] {
-            let engine = engine(script, ask_twice);
-            for round in 0..2 {
-                assert_eq!(ask(&engine), Ok(Answer::Contacts(Vec::new())), "{script} {ask_twice} {round}");
-                std::thread::sleep(Duration::from_millis(500));
-                let second = ask(&engine);
-                let told = matches!(&second, Err(EngineFailure::Malformed(told)) if told.contains(what));
-                assert!(told, "{script} {ask_twice} {round}: {second:?}");
-                if ask_twice {
-                    // The other process is as it was.
-                    assert!(ask(&engine).is_err());
-                }
+    let check = |script: &str, what: &str, ask_twice: bool| {
+        let engine = engine(script, ask_twice);
+        for round in 0..2 {
+            assert_eq!(ask(&engine), Ok(Answer::Contacts(Vec::new())), "{script} {ask_twice} {round}");
+            std::thread::sleep(Duration::from_millis(500));
+            let second = ask(&engine);
+            let told = matches!(&second, Err(EngineFailure::Malformed(told)) if told.contains(what));
+            assert!(told, "{script} {ask_twice} {round}: {second:?}");
+            if ask_twice {
+                // The other process is as it was.
+                assert!(ask(&engine).is_err());
             }
-            assert_eq!(engine.counts().map(|counts| counts.recovered), Some(0), "{script} {ask_twice}");
         }
-    }
+        assert_eq!(engine.counts().map(|counts| counts.recovered), Some(0), "{script} {ask_twice}");
+    };
+    // All at once, since most of it is waiting.
+    std::thread::scope(|scope| {
+        for (script, what) in [(late, "nobody asked for"), (stale, "id is 0"), (while_asked, "")] {
+            for ask_twice in [false, true] {
+                scope.spawn(move || check(script, what, ask_twice));
+            }
+        }
+    });
 }
