@@ -52,7 +52,7 @@ const ROTATING: &str = "rotating";
 
 On GitHub (GITHUB_ACTIONS, GITHUB_STEP_SUMMARY) it annotates and writes the step summary. docs/gate.md shows a gate file.
 
-Exit status: 0 passed, 1 failed, 2 usage or input error.")]
+Exit status: 0 passed, 1 failed, 2 usage or input error, 130 interrupted.")]
 pub(crate) struct Gate {
     /// The gate file
     file: PathBuf,

@@ -4,7 +4,7 @@ use crate::exit::{Outcome, Verdict, print_error};
 use crate::input::FormatArgs;
 use crate::stop::on_ctrl_c;
 use rockproof_differential::lockstep::Trajectory;
-use rockproof_differential::lockstep::penetration_effect::penetration;
+use rockproof_differential::lockstep::penetration::penetration;
 use rockproof_model::Number;
 use rockproof_model::simulation::step_in_words;
 use rockproof_model::text::csv_cell;

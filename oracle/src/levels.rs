@@ -18,7 +18,7 @@ pub struct LevelCounts {
 }
 
 impl LevelCounts {
-    /// The levels by name, in the order of the tables' columns.
+    /// The levels by name, in the order of the tables' columns, which is not quite that in which they are tried: balls come before i128.
     pub fn by_name(&self) -> [(&'static str, u64); 7] {
         [
             ("f64", self.float),

@@ -10,7 +10,7 @@ use crate::pairs::EngineDifferences;
 use crate::recommend::Recommendation;
 use crate::verdict::{NOT_DECIDED, Verdict, mark, title};
 use crate::view::{BlockStatus, block_statuses, views};
-use rockproof_model::vtu::{DataArray, SCALAR, vtu};
+use rockproof_model::vtu_writer::{DataArray, SCALAR, vtu};
 use rockproof_model::{Precision, ToleranceSet};
 use rockproof_oracle::audit::{Overlap, OverlapSeverity};
 use rockproof_report::Report;

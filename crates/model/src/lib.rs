@@ -24,7 +24,7 @@ pub mod tolerance_rules;
 pub mod tolerance_spec;
 pub mod topology;
 pub mod vector;
-pub mod vtu;
+pub mod vtu_writer;
 
 pub use block::{Block, BlockError, BlockOptions, Bounds, Merged, Merging, Point};
 pub use contact::{Contact, ContactKey, ContactKind, Entrance, EntranceKind, ExpectedContact, unexpected_contacts};

@@ -1,6 +1,6 @@
 //! A state as pictures: the blocks, and the contacts as points.
 
-use rockproof_model::vtu::{Cells, DataArray, Polyhedra, SCALAR, UnstructuredGrid, VECTOR};
+use rockproof_model::vtu_writer::{Cells, DataArray, Polyhedra, SCALAR, UnstructuredGrid, VECTOR};
 use rockproof_model::{Scene, Topology};
 use rockproof_stepper::dynamics::{ContactState, State};
 use rockproof_stepper::{Real, Vector};

@@ -10,7 +10,7 @@ use crate::run::RunError;
 use crate::tables;
 use crate::totals::Totals;
 use crate::worst_intrusions::{INTRUSIONS, IntrusionRow, WorstIntrusion};
-use rockproof_model::vtu;
+use rockproof_model::vtu_writer;
 use rockproof_results as results;
 use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Seal, Start, identity_differences};
 use serde::{Deserialize, Serialize};
@@ -267,7 +267,7 @@ impl RunRecord {
             let frames = self.progress.frames.iter().chain(&self.progress.last_frame);
             let files: Vec<_> = frames.map(|frame| (frame.time.0, picture(name, frame.step))).collect();
             let list = format!("{name}.pvd");
-            let text = vtu::pvd(&files).map_err(ResultsError::at(&self.dir().join(&list)))?;
+            let text = vtu_writer::pvd(&files).map_err(ResultsError::at(&self.dir().join(&list)))?;
             self.directory.write(&list, FileKind::Picture, &text)?;
         }
         Ok(())

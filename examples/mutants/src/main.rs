@@ -70,7 +70,9 @@ fn main() -> Result<()> {
     if !measured.exists() {
         tree::copy(&arguments.project, &tree)?;
         tree::make(&arguments.project, &tree, &mutants, &mut absent, &absent_file)?;
-        let crates = ["-p", "rockproof-oracle", "-p", "rockproof-stepper", "-p", "rockproof-stepper-tests"].map(str::to_owned).to_vec();
+        let crates = ["-p", "rockproof-oracle", "-p", "rockproof-stepper", "-p", "rockproof-stepper-tests"]
+            .map(str::to_owned)
+            .to_vec();
         let also = arguments.also.iter().map(|text| text.split_whitespace().map(str::to_owned).collect());
         let packages: Vec<Vec<String>> = std::iter::once(crates).chain(also).collect();
         let programs = tree::test_programs(&tree, &packages)?;

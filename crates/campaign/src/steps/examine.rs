@@ -5,7 +5,7 @@ use super::finding::{StepChange, StepFinding};
 use super::summary::{StepGroup, StepSummary, half_side};
 use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_differential::lockstep::StepCause;
-use rockproof_differential::lockstep::penetration_effect::StepPenetrations;
+use rockproof_differential::lockstep::penetration::StepPenetrations;
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::Precision;

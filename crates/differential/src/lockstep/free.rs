@@ -1,7 +1,7 @@
 //! The exact trajectory beside the stepper's, each going on from its own state: how far they part over time.
 
 use crate::lockstep::answer::{StepDecisions, compare};
-use crate::lockstep::penetration_effect::penetration;
+use crate::lockstep::penetration::penetration;
 use crate::lockstep::state::exact_state;
 use crate::lockstep::state_errors::largest_distance;
 use crate::lockstep::trajectory::Trajectory;

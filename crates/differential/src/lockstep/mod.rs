@@ -10,7 +10,7 @@ pub mod free;
 pub mod intrusion;
 pub mod intrusion_case;
 mod intrusion_part;
-pub mod penetration_effect;
+pub mod penetration;
 pub mod recorded;
 pub mod replay;
 pub mod run;

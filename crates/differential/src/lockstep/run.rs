@@ -8,7 +8,7 @@ use crate::lockstep::explain::{
     AttributedDifference, ComparedLinks, Explainer, LinkSide, measure_modes, stepper_trace,
 };
 use crate::lockstep::intrusion::{IntrusionCheck, WatchedStep};
-use crate::lockstep::penetration_effect::{StepPenetrations, penetration};
+use crate::lockstep::penetration::{StepPenetrations, penetration};
 use crate::lockstep::scene::{ExactScene, NumberOverflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::state_errors::{anchor_error, displacement_error, velocity_error};

@@ -1,6 +1,6 @@
 //! The classification of a pair: rough phase, the four tests in their order, exits.
 
-use crate::contact::broad::{NearFeatures, neighbours, reach_of_kept};
+use crate::contact::boxes::{NearFeatures, neighbours, reach_of_kept};
 use crate::contact::contact_rules::ContactRules;
 use crate::contact::nearby_features::{NearbyFeatures, Planes};
 use crate::contact::pair::{ExitCandidate, Pair};

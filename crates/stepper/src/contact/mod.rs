@@ -1,7 +1,7 @@
 //! Contact classification (SPEC section 4): one file a pair of features, the same names as in the oracle.
 
 pub(crate) mod asked;
-pub mod broad;
+pub mod boxes;
 mod classify;
 mod compiled;
 pub mod contact_rules;
@@ -19,7 +19,7 @@ mod vertex_edge;
 mod vertex_face;
 mod vertex_vertex;
 
-pub use broad::{Bounds, neighbours};
+pub use boxes::{Bounds, neighbours};
 pub use classify::{ClassificationRequest, ComputedContact, classify, classify_traced, classify_with_kept};
 pub use compiled::CompiledContacts;
 pub use contact_rules::{ContactRules, SpecRules};

@@ -1,6 +1,6 @@
 //! Finds the pairs of features of two blocks that can be in a contact ([`NearbyFeatures`]).
 
-use crate::contact::broad::{Bounds, reach_of_kept};
+use crate::contact::boxes::{Bounds, reach_of_kept};
 use crate::contact::classify::ClassificationRequest;
 use crate::contact::contact_rules::ContactRules;
 use crate::contact::entrance::{Candidate, KnownPlane, Plane};
@@ -94,7 +94,7 @@ impl<'s> Search<'s> {
             let boxes = all.map(|(e, edge)| (e, around(at(edge.p), at(edge.q))));
             boxes.filter(|(_, own)| !own.beyond(&bounds[side.other() as usize], reach)).collect::<Vec<_>>()
         });
-        // As `reach_of_faces` in `broad.rs`, or a little farther.
+        // As `reach_of_faces` in `boxes.rs`, or a little farther.
         let near = [a, b].map(|solid| reach + 2.0 * solid.bulge().highest());
         let mut seen = Unobserved;
         let (candidates, true_exits, hits) = (Vec::new(), Vec::new(), Vec::new());

@@ -5,7 +5,7 @@ mod preparation;
 
 pub use collapsed::{Collapsed, CollapsedPart};
 
-use crate::contact::broad::Bounds;
+use crate::contact::boxes::Bounds;
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::topology::Edge;

@@ -1,4 +1,4 @@
-//! Step control (SPEC section 5): Δt is cut until the iteration converges and nothing moves too far.
+//! Step control (SPEC 5.10, 5.11): Δt is cut until the iteration converges, and halved until nothing moves too far.
 
 use crate::dynamics::attempt::{IterationResult, OpenCloseIteration};
 use crate::dynamics::contact::StepContact;

@@ -2,7 +2,7 @@
 
 use super::{FormatError, decimals, push};
 use crate::scene::{Scene, SceneBlock};
-use crate::vtu::{Cells, Polyhedra, UnstructuredGrid};
+use crate::vtu_writer::{Cells, Polyhedra, UnstructuredGrid};
 
 /// The scene as text STL, one solid a block, faces cut into triangles. Coordinates have all digits of an f64.
 pub(super) fn stl(scene: &Scene) -> Result<String, FormatError> {
@@ -114,7 +114,7 @@ pub(super) fn vtu(scene: &Scene) -> Result<Vec<u8>, FormatError> {
         grid.points.extend(points);
     }
     grid.cells = Cells::Polyhedra(cells);
-    crate::vtu::vtu(&grid).map_err(|error| FormatError::Failed { message: error.to_string() })
+    crate::vtu_writer::vtu(&grid).map_err(|error| FormatError::Failed { message: error.to_string() })
 }
 
 fn points(block: &SceneBlock, number: usize, format: &'static str) -> Result<Vec<[f64; 3]>, FormatError> {

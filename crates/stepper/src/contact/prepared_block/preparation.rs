@@ -1,7 +1,7 @@
 //! What is worked out of every block: boxes, normals, lengths and directions, and whether all of that has extent.
 
 use super::{Collapsed, CollapsedPart, Face, FaceOfEdge, PreparedBlock, PreparedEdge, Vertex, not_asked};
-use crate::contact::broad::Bounds;
+use crate::contact::boxes::Bounds;
 use crate::real::Real;
 use crate::vector::Vector;
 use rockproof_model::topology::Edge;
