@@ -49,7 +49,7 @@ pub(crate) trait Polynomial {
     fn variant(&self) -> usize;
     /// The value; only its sign means anything.
     fn value<V: View>(&self, view: &V) -> V::T;
-    /// What has the same sign with fewer digits, if anything has under a condition.
+    /// A shorter polynomial that tells this sign where an edge lies in the plane of a face, if there is one.
     fn of_edge_in_plane(&self, _pair: &Pair<'_>) -> Option<OfEdgeInPlane> {
         None
     }

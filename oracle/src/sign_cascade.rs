@@ -29,12 +29,12 @@ pub(crate) struct SignCascade<'p, 's> {
     careful_stages: OnceCell<Box<CarefulStages<'p>>>,
 }
 
-/// What only the levels beyond balls need, and pairs without unit bounds, made when the first sign gets there.
+/// What only signs need that f64 and the bounds of unit size leave open, made when the first of them comes.
 struct CarefulStages<'p> {
     bounds: [f64; SLOTS],
     bound_view: OnceCell<BoundView<'p>>,
     scales: ScalesCache,
-    /// Of each block, for each edge its left and its right face: whether it lies in that one's plane, once that is known.
+    /// By block, then by edge (its left face, its right face): whether the edge lies in that face's plane, once known.
     edges_in_planes: [Vec<Option<bool>>; 2],
 }
 
@@ -133,7 +133,7 @@ impl<'p, 's> SignCascade<'p, 's> {
         }
     }
 
-    /// Goes on with the values themselves, as balls, then exactly.
+    /// Goes on with the values themselves: by a shorter polynomial where there is one, as balls, then exactly.
     #[cold]
     #[inline(never)]
     fn careful_sign<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Sign {

@@ -129,7 +129,7 @@ pub fn throughput(run: &ThroughputRun, scratch: &Path) -> Result<Throughput, Thr
         seed: run.seed,
         engines: names.to_vec(),
         cases_per_fingerprint: 0,
-        // Nor of the finding furthest from a tie.
+        // Otherwise the finding furthest from a tie has a case file.
         cases_per_cause: 0,
         ..CampaignConfig::default()
     };

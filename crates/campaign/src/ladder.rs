@@ -130,6 +130,7 @@ impl<'p> LadderPair<'p> {
             tolerance,
             kind,
             by_edges: Remembered::new(edges_a, edges_b),
+            // By edges, which are more than the vertices whose numbers are used here as well.
             by_face: [Remembered::new(edges_a, faces_b), Remembered::new(edges_b, faces_a)],
             area_ratios: [faces_a, faces_b].map(|faces| Remembered::new(faces, faces)),
         }

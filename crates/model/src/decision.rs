@@ -147,7 +147,8 @@ impl Feature {
     }
 }
 
-/// The largest number of a feature that a decision tells from all others; no block that memory holds has so many.
+/// The largest number of a feature that a decision tells from all others. No file that is read (at most 1 GiB) holds a block of so many, and in memory
+/// such a block would take some hundred GB.
 pub(crate) const LARGEST: u32 = (1 << 29) - 1;
 
 impl fmt::Display for Feature {

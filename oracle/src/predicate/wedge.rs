@@ -121,8 +121,8 @@ impl Polynomial for Orientation {
     }
 }
 
-/// A sign that is that of `d·N` of another edge, or the opposite, where an edge is not a point and lies in the plane of a face at it. Edges of planar
-/// faces do; of others rounding leaves something of `d·N`.
+/// Where `edge` is not a point and lies in the plane of `face`, a face at it, a sign is that of `d·N` of the edge `other` and of `face`, times `turn`.
+/// Edges of planar faces lie there; of others rounding leaves something of `d·N`.
 pub(crate) struct OfEdgeInPlane {
     pub(crate) edge: Edge,
     pub(crate) face: Face,

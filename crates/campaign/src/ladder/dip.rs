@@ -162,7 +162,7 @@ pub(super) fn cone(sampler: &mut PairSampler<'_>, ladder: &LadderPair<'_>, by: D
         (alone && decides).then_some((asked, v, f, edge))
     })?;
     let start = over_face(sampler, pair, (asked, v), f, None);
-    // Of an edge only one end dips below a face, in f64 as well.
+    // The vertex is not part of the key: only one end of an edge dips below a face, and f64, which negates exactly, finds the same end.
     let squared = ladder.of_face((asked, edge.index()), f, || {
         let exact = pair.exact(&cone_vertices(pair, (asked, v), f), NO_MOVE);
         // Both measures must hold, so one decides only where the other says yes.

@@ -26,7 +26,7 @@ pub struct PreparedBlock<R> {
     bulge: OnceLock<R>,
 }
 
-/// What is worked out when first asked. Numbers have nothing to be dropped, but to learn that a block would be gone through once more.
+/// What is worked out when first asked. Numbers need no drop; `ManuallyDrop` spares the walk through the whole block that would find this out.
 type WhenAsked<T> = ManuallyDrop<OnceLock<T>>;
 
 const fn not_asked<T>() -> WhenAsked<T> {

@@ -149,8 +149,8 @@ fn has_direction_across<R: Real>(face: &Face<R>, direction: Vector<R>, side: Fac
     has_extent(across.dot(across))
 }
 
-/// The same with fewer operations. `|n × d|² = |n|²|d|² − (n·d)²` is far from zero where floats say so: n and d are of unit length, or where squares of
-/// what they are made of underflow, of more than 0.7.
+/// The same with fewer operations. `|n × d|² = |n|²|d|² − (n·d)²` is far from zero where `n·d` is below 1/4: n and d are of unit length, or, where
+/// squares of what they are made of underflow, longer than 0.7.
 fn surely_has_direction_across<R: Real>(normal: Vector<R>, direction: Vector<R>) -> bool {
     R::IS_FLOAT && normal.dot(direction).abs().below(R::from_f64(0.25))
 }
