@@ -6,7 +6,7 @@ use crate::exact_float::ExactFloat;
 use crate::record::{Frame, RunRecord, RunTable};
 use crate::worst_intrusions::WorstIntrusion;
 use crate::{Plan, frame, tables};
-use rockproof_model::{Scene, vtu};
+use rockproof_model::{Scene, vtu_writer};
 use rockproof_results::ResultsError;
 use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepError, StepReport, StepRules};
@@ -217,8 +217,8 @@ impl<R: Real> Run<'_, R> {
     }
 
     fn write_frame(&self, state: &State<R>, record: &mut RunRecord) -> Result<Frame, RunError> {
-        let blocks = vtu::vtu(&frame::blocks(self.scene, self.begin, state))?;
-        let contacts = vtu::vtu(&frame::contacts(state))?;
+        let blocks = vtu_writer::vtu(&frame::blocks(self.scene, self.begin, state))?;
+        let contacts = vtu_writer::vtu(&frame::contacts(state))?;
         let frame = Frame { step: state.step, time: ExactFloat(state.time.to_f64()) };
         record.write_frame(frame, [&blocks, &contacts])?;
         Ok(frame)
