@@ -164,7 +164,8 @@ impl Polynomial for InwardAcross {
         across(view, self.edge_a, self.edge_b).dot(&view.inward(edge.0, edge.1, self.right))
     }
     fn of_edge_in_plane(&self, pair: &Pair<'_>) -> Option<OfEdgeInPlane> {
-        // By Lagrange, with m = N × d_A: (d_A × d_B)·m = (d_A·N)(d_A·d_B) − |d_A|²(d_B·N); with m = N × d_B: (d_B·N)… + |d_B|²(d_A·N).
+        // By Lagrange: (d_A × d_B)·(N × d_A) = (d_A·N)(d_A·d_B) − |d_A|²(d_B·N), and (d_A × d_B)·(N × d_B) = |d_B|²(d_A·N) − (d_B·N)(d_A·d_B). In the plane
+        // the edge's own product with N is zero. The right face's direction is the opposite one.
         let (own, other) = match self.side {
             Side::A => ((Side::A, self.edge_a), (Side::B, self.edge_b)),
             Side::B => ((Side::B, self.edge_b), (Side::A, self.edge_a)),

@@ -19,10 +19,16 @@ pub struct Bounds<R> {
 }
 
 impl<R: Real> Bounds<R> {
-    /// The box of at least one point.
-    pub fn around(points: &[Vector<R>]) -> Bounds<R> {
-        let first = Bounds { low: points[0], high: points[0] };
-        points[1..].iter().fold(first, |all, &p| Bounds { low: all.low.smaller(p), high: all.high.larger(p) })
+    /// The box of one point.
+    #[inline]
+    pub fn of_point(at: Vector<R>) -> Bounds<R> {
+        Bounds { low: at, high: at }
+    }
+
+    /// The box around two boxes.
+    #[inline]
+    pub fn joined(&self, other: &Bounds<R>) -> Bounds<R> {
+        Bounds { low: self.low.smaller(other.low), high: self.high.larger(other.high) }
     }
 
     /// Along each axis, how far two boxes are apart; negative where they overlap.
@@ -47,7 +53,7 @@ impl<R: Real> Bounds<R> {
     /// Whether a point is farther from the box than `reach` along some axis. For culling: not counted as a decision.
     #[inline]
     pub fn is_beyond(&self, point: Vector<R>, reach: R) -> bool {
-        Bounds { low: point, high: point }.beyond(self, reach)
+        Bounds::of_point(point).beyond(self, reach)
     }
 }
 
@@ -60,7 +66,7 @@ pub fn neighbours<R: Real, M: ContactRules>(a: &PreparedBlock<R>, b: &PreparedBl
 /// kept contact are. Those of v-v and v-e contacts are within s, kept or not.
 pub(super) fn reach_of_kept<R: Real>(request: ClassificationRequest<'_, R>) -> R {
     let ClassificationRequest { a, b, tolerances, kept, .. } = request;
-    let at = |solid: &PreparedBlock<R>, v: VertexId| Bounds::around(&[solid.vertex(v).at]);
+    let at = |solid: &PreparedBlock<R>, v: VertexId| Bounds::of_point(solid.vertex(v).at);
     kept.iter().fold(tolerances.reach, |reach, key| {
         let apart = match *key {
             ContactKey::VertexFace(v, _) => at(a, v).apart(b.bounds()),

@@ -81,7 +81,7 @@ impl<'s> Search<'s> {
         let [a, b] = &self.solids;
         let bounds = [Side::A, Side::B].map(|side| {
             let points = &self.points[side as usize];
-            points.iter().map(point_bounds).reduce(around).unwrap_or(point_bounds(&[0.0; 3]))
+            points.iter().map(point_bounds).reduce(|all, one| all.joined(&one)).unwrap_or(point_bounds(&[0.0; 3]))
         });
         let vertices = [Side::A, Side::B].map(|side| {
             let all = (0..).map(VertexId).zip(&self.points[side as usize]);
@@ -91,7 +91,7 @@ impl<'s> Search<'s> {
             let (points, solid) = (&self.points[side as usize], &self.solids[side as usize]);
             let at = |v: VertexId| point_bounds(&points[v.index()]);
             let all = solid.block().topology().edge_ids().map(|e| (e, solid.edge(e).edge));
-            let boxes = all.map(|(e, edge)| (e, around(at(edge.p), at(edge.q))));
+            let boxes = all.map(|(e, edge)| (e, at(edge.p).joined(&at(edge.q))));
             boxes.filter(|(_, own)| !own.beyond(&bounds[side.other() as usize], reach)).collect::<Vec<_>>()
         });
         // As `reach_of_faces` in `boxes.rs`, or a little farther.
@@ -153,12 +153,7 @@ impl<'s> Search<'s> {
 }
 
 fn point_bounds(&[x, y, z]: &[f64; 3]) -> Bounds<f64> {
-    let at = Vector::new(x, y, z);
-    Bounds { low: at, high: at }
-}
-
-fn around(one: Bounds<f64>, other: Bounds<f64>) -> Bounds<f64> {
-    Bounds { low: one.low.smaller(other.low), high: one.high.larger(other.high) }
+    Bounds::of_point(Vector::new(x, y, z))
 }
 
 type NearbyPairOfBlocks<'p> = Pair<'p, MotionInterval, NearbyRules, Unobserved>;

@@ -78,7 +78,7 @@ impl<R: Real> PreparedEdge<R> {
     /// The box around the edge.
     #[inline]
     pub fn bounds(&self) -> Bounds<R> {
-        Bounds { low: self.p.smaller(self.q), high: self.p.larger(self.q) }
+        Bounds::of_point(self.p).joined(&Bounds::of_point(self.q))
     }
 }
 

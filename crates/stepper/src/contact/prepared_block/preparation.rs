@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 impl<R: Real> PreparedBlock<R> {
     /// A block of which nothing is known yet.
     pub(crate) fn unprepared(block: Block) -> PreparedBlock<R> {
-        let bounds = Bounds { low: Vector::ZERO, high: Vector::ZERO };
+        let bounds = Bounds::of_point(Vector::ZERO);
         let (vertices, edges, faces) = (Vec::new(), Vec::new(), Vec::new());
         PreparedBlock { block, bounds, vertices, edges, faces, bulge: OnceLock::new() }
     }
@@ -44,11 +44,11 @@ impl<R: Real> PreparedBlock<R> {
         self.prepare_faces()?;
         self.prepare_edges()?;
         let topology = self.block.topology();
-        let mut bounds = Bounds { low: self.vertices[0].at, high: self.vertices[0].at };
+        let mut bounds = Bounds::of_point(self.vertices[0].at);
         for (v, vertex) in (0..).map(VertexId).zip(&mut self.vertices) {
             let lengths = topology.vertex_edges(v).iter().map(|&e| self.edges[e.index()].length);
             vertex.shortest = lengths.reduce(R::smaller).unwrap_or(R::ZERO);
-            bounds = Bounds { low: bounds.low.smaller(vertex.at), high: bounds.high.larger(vertex.at) };
+            bounds = bounds.joined(&Bounds::of_point(vertex.at));
         }
         self.bounds = bounds;
         self.bulge = OnceLock::new();
