@@ -2,7 +2,7 @@
 
 // Longer than 400 lines: one command and the table of each measure that it prints.
 
-use crate::exit::{Outcome, Verdict, print, print_json, print_note};
+use crate::exit::{ExitStatus, Outcome, print, print_json, print_note};
 use crate::table::{counted, grouped, table};
 use clap::ValueEnum;
 use rockproof_bench::accuracy::{self, AccuracyOptions, AccuracyRow};
@@ -183,7 +183,7 @@ impl Bench {
             OutputFormat::Csv => print(&csv()?)?,
             OutputFormat::Json => print_json(&as_json(measure, &csv()?)?)?,
         }
-        Ok(Verdict::Passed)
+        Ok(ExitStatus::Passed)
     }
 
     /// Scenes from small to large, so that the most memory held is mostly that of the last one.

@@ -1,7 +1,7 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
 use crate::campaign_end::print_end;
-use crate::exit::{Outcome, Verdict, print_note};
+use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::input::{EngineArgs, FormatArgs, at_least_zero};
 use crate::progress::{counted_while, shown_while};
 use crate::reading::factor;
@@ -133,7 +133,7 @@ impl Campaign {
         let prepared = self.prepared()?;
         let stop = on_ctrl_c()?;
         if !self.probed(&prepared.engines, &stop)? {
-            return Ok(Verdict::Interrupted);
+            return Ok(ExitStatus::Interrupted);
         }
         let mut journal = self.journal(&prepared)?;
         let Prepared { config, source, .. } = &prepared;
@@ -203,7 +203,7 @@ impl Campaign {
         let stress = (config.stress && is_whole).then(|| stress::finish(journal, engines)).transpose()?;
         print_end(journal, &config.external, ending, stress.as_ref(), &self.format)?;
         if ending == Ending::Stopped {
-            return Ok(Verdict::Interrupted);
+            return Ok(ExitStatus::Interrupted);
         }
         Ok(denied(&self.deny, journal.progress()))
     }
@@ -321,7 +321,7 @@ pub(crate) fn probed(engines: &Engines, stop: &AtomicBool) -> anyhow::Result<boo
 }
 
 /// Whether there is anything of a kind that `--deny` names.
-pub(crate) fn denied(kinds: &[String], progress: &CampaignProgress) -> Verdict {
+pub(crate) fn denied(kinds: &[String], progress: &CampaignProgress) -> ExitStatus {
     let (summary, steps) = (&progress.summary, &progress.steps);
     let found = |kind: &&String| match kind.as_str() {
         "any" => summary.total() + steps.total() > 0,
@@ -343,7 +343,7 @@ pub(crate) fn denied(kinds: &[String], progress: &CampaignProgress) -> Verdict {
             ));
         }
     }
-    if found.is_empty() { Verdict::Passed } else { Verdict::CheckFailed }
+    if found.is_empty() { ExitStatus::Passed } else { ExitStatus::CheckFailed }
 }
 
 pub(crate) fn check_deny(kinds: &[String]) -> anyhow::Result<()> {

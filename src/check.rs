@@ -1,6 +1,6 @@
 //! `check`: are the blocks blocks, and do the tolerances keep the rules?
 
-use crate::exit::{Outcome, Verdict, print, print_error, print_note};
+use crate::exit::{ExitStatus, Outcome, print, print_error, print_note};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, precision};
 use crate::input_file::{InputFile, ModelFile};
 use crate::progress::overlaps;
@@ -71,7 +71,7 @@ impl Check {
             document
         })?;
         let sound = model.violations.is_empty() && overlaps.lost() == 0;
-        Ok(if sound { Verdict::Passed } else { Verdict::CheckFailed })
+        Ok(if sound { ExitStatus::Passed } else { ExitStatus::CheckFailed })
     }
 }
 

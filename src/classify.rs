@@ -1,6 +1,6 @@
 //! `classify`: the contacts between the blocks of a file.
 
-use crate::exit::{Outcome, Verdict, print};
+use crate::exit::{ExitStatus, Outcome, print};
 use crate::input::{ReadArgs, ToleranceArgs, model_help};
 use crate::input_file::InputFile;
 use crate::progress::{counted_while, overlaps};
@@ -17,7 +17,7 @@ use rockproof_oracle::combination::{Combination, combinations};
 use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::{PreparedBlock as FloatSolid, SpecRules, Tolerances, classify};
+use rockproof_stepper::contact::{PreparedBlock as PreparedFloatBlock, SpecRules, Tolerances, classify};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -131,7 +131,7 @@ impl Classify {
             writeln!(rows, "{}", overlaps.line())?;
             print(&String::from_utf8_lossy(&rows))?;
         }
-        Ok(Verdict::Passed)
+        Ok(ExitStatus::Passed)
     }
 }
 
@@ -140,9 +140,9 @@ const CHUNK: usize = 4096;
 
 /// Who classifies, with the blocks prepared.
 enum Classifier<'b> {
-    Exact { blocks: &'b [&'b Block], solids: Vec<PreparedBlock>, tolerances: &'b ToleranceSet },
-    F64 { blocks: &'b [&'b Block], solids: Vec<FloatSolid<f64>>, tolerances: Tolerances<f64> },
-    F32 { blocks: &'b [&'b Block], solids: Vec<FloatSolid<f32>>, tolerances: Tolerances<f32> },
+    Exact { blocks: &'b [&'b Block], prepared: Vec<PreparedBlock>, tolerances: &'b ToleranceSet },
+    F64 { blocks: &'b [&'b Block], prepared: Vec<PreparedFloatBlock<f64>>, tolerances: Tolerances<f64> },
+    F32 { blocks: &'b [&'b Block], prepared: Vec<PreparedFloatBlock<f32>>, tolerances: Tolerances<f32> },
 }
 
 impl<'b> Classifier<'b> {
@@ -153,16 +153,16 @@ impl<'b> Classifier<'b> {
     ) -> anyhow::Result<Classifier<'b>> {
         Ok(match engine {
             EngineChoice::Exact => {
-                let solids = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
-                Classifier::Exact { blocks, solids, tolerances }
+                let prepared = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
+                Classifier::Exact { blocks, prepared, tolerances }
             }
             EngineChoice::F64 => {
                 let tolerances = Tolerances::new(tolerances)?;
-                Classifier::F64 { blocks, solids: float_solids(blocks)?, tolerances }
+                Classifier::F64 { blocks, prepared: prepared_in_floats(blocks)?, tolerances }
             }
             EngineChoice::F32 => {
                 let tolerances = Tolerances::new(tolerances)?;
-                Classifier::F32 { blocks, solids: float_solids(blocks)?, tolerances }
+                Classifier::F32 { blocks, prepared: prepared_in_floats(blocks)?, tolerances }
             }
         })
     }
@@ -182,8 +182,8 @@ impl<'b> Classifier<'b> {
 
     fn pair(&self, (i, j): (usize, usize), combined: bool) -> PairContacts {
         let (blocks, found) = match self {
-            Classifier::Exact { blocks, solids, tolerances } => {
-                let pair = Pair::new(&solids[i], &solids[j]);
+            Classifier::Exact { blocks, prepared, tolerances } => {
+                let pair = Pair::new(&prepared[i], &prepared[j]);
                 let with_gap = |contact: Contact| {
                     let gap = pair.gap(&contact.entrance);
                     let size = gap.squared.sqrt_rounded().unwrap_or(f64::INFINITY);
@@ -191,8 +191,12 @@ impl<'b> Classifier<'b> {
                 };
                 (blocks, pair.classify(tolerances).contacts.into_iter().map(with_gap).collect())
             }
-            Classifier::F64 { blocks, solids, tolerances } => (blocks, in_floats(&solids[i], &solids[j], tolerances)),
-            Classifier::F32 { blocks, solids, tolerances } => (blocks, in_floats(&solids[i], &solids[j], tolerances)),
+            Classifier::F64 { blocks, prepared, tolerances } => {
+                (blocks, in_floats(&prepared[i], &prepared[j], tolerances))
+            }
+            Classifier::F32 { blocks, prepared, tolerances } => {
+                (blocks, in_floats(&prepared[i], &prepared[j], tolerances))
+            }
         };
         let contacts: Vec<Contact> = found.iter().map(|(contact, _): &(Contact, f64)| *contact).collect();
         let combined = if combined { combinations(blocks[i], blocks[j], &contacts) } else { Vec::new() };
@@ -200,13 +204,17 @@ impl<'b> Classifier<'b> {
     }
 }
 
-fn float_solids<R: Real>(blocks: &[&Block]) -> anyhow::Result<Vec<FloatSolid<R>>> {
-    blocks.iter().enumerate().map(|(n, b)| FloatSolid::<R>::new(b).with_context(|| format!("block {n}"))).collect()
+fn prepared_in_floats<R: Real>(blocks: &[&Block]) -> anyhow::Result<Vec<PreparedFloatBlock<R>>> {
+    blocks
+        .iter()
+        .enumerate()
+        .map(|(n, b)| PreparedFloatBlock::<R>::new(b).with_context(|| format!("block {n}")))
+        .collect()
 }
 
 fn in_floats<R: Real + Into<f64>>(
-    a: &FloatSolid<R>,
-    b: &FloatSolid<R>,
+    a: &PreparedFloatBlock<R>,
+    b: &PreparedFloatBlock<R>,
     tolerances: &Tolerances<R>,
 ) -> Vec<(Contact, f64)> {
     classify::<R, SpecRules>(a, b, tolerances).into_iter().map(|f| (f.contact, f.gap.into())).collect()

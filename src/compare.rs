@@ -1,6 +1,6 @@
 //! `compare`: what changed between two runs of a campaign.
 
-use crate::exit::{Outcome, Verdict, print, print_json, print_note};
+use crate::exit::{ExitStatus, Outcome, print, print_json, print_note};
 use crate::table::table;
 use rockproof_gate::comparison::{ClassChange, Trend};
 use rockproof_report::PAGE;
@@ -92,7 +92,7 @@ impl Compare {
         let denied = self.deny.iter().any(|denied| comparison.count(denied.trend()) > 0);
         // Where nothing was examined by both, nothing is known; that must not pass a check.
         let unknown = !self.deny.is_empty() && comparison.examined() == 0;
-        Ok(if denied || unknown { Verdict::CheckFailed } else { Verdict::Passed })
+        Ok(if denied || unknown { ExitStatus::CheckFailed } else { ExitStatus::Passed })
     }
 }
 

@@ -1,6 +1,6 @@
 //! `completions` and `man`: what shells and `man` need to know of the command line.
 
-use crate::exit::{Outcome, Verdict, print, print_as_it_is};
+use crate::exit::{ExitStatus, Outcome, print, print_as_it_is};
 use crate::output_file::allow_ours;
 use anyhow::Context;
 use clap::CommandFactory;
@@ -24,7 +24,7 @@ impl Completions {
         let mut bytes = Vec::new();
         clap_complete::generate(self.shell, &mut crate::Cli::command(), "rockproof", &mut bytes);
         print_as_it_is(std::str::from_utf8(&bytes)?)?;
-        Ok(Verdict::Passed)
+        Ok(ExitStatus::Passed)
     }
 }
 
@@ -55,6 +55,6 @@ impl Man {
             write_atomically(file, text).with_context(|| file.display().to_string())?;
         }
         print(&format!("{}: {} manual pages\n", self.dir.display(), pages.len()))?;
-        Ok(Verdict::Passed)
+        Ok(ExitStatus::Passed)
     }
 }

@@ -1,6 +1,6 @@
 //! `convert`: from any format that can be read to any that can be written.
 
-use crate::exit::{Outcome, Verdict, print, print_note};
+use crate::exit::{ExitStatus, Outcome, print, print_note};
 use crate::input::{ReadArgs, model_help, precision};
 use crate::input_file::InputFile;
 use crate::output_file::OverwriteArgs;
@@ -56,7 +56,7 @@ impl Convert {
             print_note(&lost);
         }
         print(&format!("{}: {}\n", self.output.display(), counted(scene.blocks.len() as u64, "block", "blocks")))?;
-        Ok(Verdict::Passed)
+        Ok(ExitStatus::Passed)
     }
 
     /// Rounds every coordinate; what is no block then is an error.

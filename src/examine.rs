@@ -1,7 +1,7 @@
 //! `examine`: is this model safe?
 
 use crate::check::ModelArgs;
-use crate::exit::{Outcome, Verdict, print_note};
+use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::input::{FormatArgs, precision};
 use crate::progress::stages_while;
 use crate::stop::on_ctrl_c;
@@ -82,7 +82,7 @@ impl Examine {
             Ok(None) => {
                 directory.give_up();
                 print_note("interrupted: nothing is written, and the same command begins anew");
-                return Ok(Verdict::Interrupted);
+                return Ok(ExitStatus::Interrupted);
             }
             Err(error) => {
                 directory.give_up();
@@ -95,7 +95,7 @@ impl Examine {
         let written = write((&found, &naming), &verdict, &cases, &mut directory)?;
         self.format.print(|| shown(&verdict), || written.document)?;
         print_note(&format!("written to {}: {}", dir.display(), written.names.join(", ")));
-        Ok(if verdict.is_safe { Verdict::Passed } else { Verdict::CheckFailed })
+        Ok(if verdict.is_safe { ExitStatus::Passed } else { ExitStatus::CheckFailed })
     }
 
     fn directory(&self) -> PathBuf {

@@ -61,11 +61,11 @@ pub(crate) fn without_mpi() -> anyhow::Error {
 }
 
 /// What a command comes to, or why it could not.
-pub(crate) type Outcome = anyhow::Result<Verdict>;
+pub(crate) type Outcome = anyhow::Result<ExitStatus>;
 
 /// What a command that ran to its end has to say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub(crate) enum ExitStatus {
     /// Done, nothing to object to: exit 0.
     Passed,
     /// A rule violated, a gate failed, a denied finding: exit 1.
@@ -80,9 +80,9 @@ pub(crate) fn code(outcome: Outcome) -> ExitCode {
         return ExitCode::from(INTERRUPTED);
     }
     match outcome {
-        Ok(Verdict::Passed) => ExitCode::SUCCESS,
-        Ok(Verdict::CheckFailed) => ExitCode::from(1),
-        Ok(Verdict::Interrupted) => ExitCode::from(INTERRUPTED),
+        Ok(ExitStatus::Passed) => ExitCode::SUCCESS,
+        Ok(ExitStatus::CheckFailed) => ExitCode::from(1),
+        Ok(ExitStatus::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
             print_error(&chain(&error));
             if error.downcast_ref().is_some_and(is_bent) {

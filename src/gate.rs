@@ -1,6 +1,6 @@
 //! `gate`: does this change let contact classification get worse?
 
-use crate::exit::{Outcome, Verdict, print_as_it_is, print_note};
+use crate::exit::{ExitStatus, Outcome, print_as_it_is, print_note};
 use crate::input::FormatArgs;
 use crate::output_file::allow_ours;
 use crate::stop::end_on_ctrl_c;
@@ -14,7 +14,7 @@ use rockproof_campaign::run::Campaign;
 use rockproof_campaign::shrink::Shrinker;
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_campaign::steps::{self, StepFinding, StepFindingRow};
-use rockproof_differential::attribution::examine;
+use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::PairSource;
@@ -182,10 +182,10 @@ impl Gate {
 
     fn report_checks(&self, checks: &[Check], gating: &Gating<'_>) -> Outcome {
         let steps = &gating.steps;
-        let failed = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Fail).count();
+        let failed = checks.iter().filter(|c| c.status == rockproof_gate::CheckStatus::Fail).count();
         let text = || {
-            let rows = checks.iter().filter(|c| c.group != "corpus" || c.verdict != rockproof_gate::Verdict::Pass);
-            let rows = rows.map(|c| vec![c.verdict.name().to_owned(), c.name.clone(), c.message.clone()]);
+            let rows = checks.iter().filter(|c| c.group != "corpus" || c.status != rockproof_gate::CheckStatus::Pass);
+            let rows = rows.map(|c| vec![c.status.name().to_owned(), c.name.clone(), c.message.clone()]);
             let verdict = if failed == 0 { "passed" } else { "failed" };
             let head = table(&["verdict", "check", "found"], &[], rows);
             let steps = steps.iter().map(|(name, line)| prose(&format!("{name} campaign: {}\n", line.text)));
@@ -195,11 +195,11 @@ impl Gate {
             format!("{head}\n\n{steps}gate {verdict}: {}{answers}\n", summary(checks))
         };
         self.format.print(text, || {
-            let check = |c: &Check| json!({ "verdict": c.verdict.name(), "group": c.group, "check": c.name, "found": c.message });
+            let check = |c: &Check| json!({ "verdict": c.status.name(), "group": c.group, "check": c.name, "found": c.message });
             let all: Vec<Value> = checks.iter().map(check).collect();
             let line = |(name, line): &(String, VerdictLine)| json!({ "campaign": name, "severity": line.severity, "text": line.text });
             let steps: Vec<Value> = steps.iter().map(line).collect();
-            let skipped = checks.iter().filter(|c| c.verdict == rockproof_gate::Verdict::Skip).count();
+            let skipped = checks.iter().filter(|c| c.status == rockproof_gate::CheckStatus::Skip).count();
             json!({ "passed": failed == 0, "failed": failed, "skipped": skipped, "checks": all, "steps": steps })
         })?;
         if let Some(path) = &self.junit {
@@ -213,7 +213,7 @@ impl Gate {
             let mut summary = std::fs::OpenOptions::new().append(true).create(true).open(&path)?;
             summary.write_all(junit::markdown(checks).as_bytes())?;
         }
-        Ok(if failed == 0 { Verdict::Passed } else { Verdict::CheckFailed })
+        Ok(if failed == 0 { ExitStatus::Passed } else { ExitStatus::CheckFailed })
     }
 }
 
@@ -328,7 +328,7 @@ impl Gating<'_> {
         let subjects = source.batch(row.index / source.batch_len());
         let Some(subject) = subjects.iter().find(|s| s.index == row.index) else { return Ok(None) };
         let same = |finding: &Finding| finding.row(row.case.clone()) == *row;
-        let Some(finding) = examine(subject, &panel).findings.into_iter().find(same) else { return Ok(None) };
+        let Some(finding) = examine_pair(subject, &panel).findings.into_iter().find(same) else { return Ok(None) };
         let panel = self.engines.panel_for(&finding);
         let Some(case) = Case::of(&finding, subject, config.seed, &panel) else { return Ok(None) };
         let case = Shrinker::new(&panel, config.shrink_evaluations).shrink(case);

@@ -2,7 +2,7 @@
 
 use crate::campaign::{check_deny, denied, diagnosed, pair_source, probed};
 use crate::campaign_end::print_end;
-use crate::exit::{Outcome, Verdict, print_note};
+use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::input::FormatArgs;
 use crate::progress::shown_while;
 use crate::stop::on_ctrl_c;
@@ -70,12 +70,12 @@ impl Merge {
         parts.check(&source::identity(config)?, &Machine::current(&*source)?, batch_len)?;
         let stop = on_ctrl_c()?;
         if !probed(&engines, &stop)? {
-            return Ok(Verdict::Interrupted);
+            return Ok(ExitStatus::Interrupted);
         }
         let mut told = Instant::now();
         for place in 0..parts.len() {
             if stop.load(Ordering::SeqCst) {
-                return Ok(Verdict::Interrupted);
+                return Ok(ExitStatus::Interrupted);
             }
             if told.elapsed() > Duration::from_secs(10) {
                 told = Instant::now();
@@ -99,7 +99,7 @@ impl Merge {
         };
         if ending == Ending::Stopped {
             print_note("interrupted; --resume goes on");
-            return Ok(Verdict::Interrupted);
+            return Ok(ExitStatus::Interrupted);
         }
         if merged.unseen > 0 {
             print_note(&format!(

@@ -1,13 +1,13 @@
 //! `replay`: what each engine and the oracle say about a case, side by side, and decision by decision where they part.
 
 use crate::classify::contact_json;
-use crate::exit::{Outcome, Verdict, print_note};
+use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::input::{EngineArgs, FormatArgs};
 use crate::input_file::InputFile;
 use crate::replay_step;
 use crate::table::table;
 use rockproof_campaign::engines::Engines;
-use rockproof_differential::attribution::examine;
+use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::builtin::BuiltinOracle;
 use rockproof_differential::case_file::{Case, contact_rows};
 use rockproof_differential::collision::separation::Separation;
@@ -85,10 +85,10 @@ impl Replay {
             || document(&case, &said, &partings, &recurrence, is_expected),
         )?;
         if is_expected {
-            return Ok(if recurrence.recurs() { Verdict::Passed } else { Verdict::CheckFailed });
+            return Ok(if recurrence.recurs() { ExitStatus::Passed } else { ExitStatus::CheckFailed });
         }
         print_note(&format!("the answer of \"{}\" is not the one the case expects", recorded.name));
-        Ok(Verdict::CheckFailed)
+        Ok(ExitStatus::CheckFailed)
     }
 }
 
@@ -109,7 +109,7 @@ impl Recurrence {
             return Recurrence::Recurs;
         }
         let mut others: Vec<String> = Vec::new();
-        for finding in examine(&case.subject(), &panel).findings {
+        for finding in examine_pair(&case.subject(), &panel).findings {
             let scope = finding.scope.to_string();
             let other = format!("{} {} by {scope}", finding.cause, finding.difference.change);
             if scope == case.about.engine && !others.contains(&other) {
@@ -146,8 +146,8 @@ fn precision_name(case: &Case, engines: &Engines) -> String {
 }
 
 fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Divergence>) {
-    let solids = BuiltinOracle.prepare(&case.a, &case.b);
-    let pair = solids.pair();
+    let prepared = BuiltinOracle.prepare(&case.a, &case.b);
+    let pair = prepared.pair();
     let exact = |name: &str, tolerances: &ToleranceSet| EngineDecisions {
         name: name.to_owned(),
         contacts: Ok(pair.classify(tolerances).contacts),
@@ -176,8 +176,8 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Diverge
         let near =
             || Some((case.a.rounded(precision)?, case.b.rounded(precision)?, case.tolerances.rounded(precision).ok()?));
         let Some((a, b, tolerances)) = near() else { continue };
-        let solids = BuiltinOracle.prepare(&a, &b);
-        let rounded = solids.pair();
+        let prepared = BuiltinOracle.prepare(&a, &b);
+        let rounded = prepared.pair();
         let name = format!("exact {precision}");
         let contacts = Ok(rounded.classify(&tolerances).contacts);
         let mut here =

@@ -1,7 +1,7 @@
 //! `replay` of a state file: one step again on both sides, beside each other.
 
 use crate::classify::contact_json;
-use crate::exit::{Outcome, Verdict, print_note};
+use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::input::FormatArgs;
 use crate::table::table;
 use anyhow::Context;
@@ -33,10 +33,10 @@ pub(super) fn run(text: &str, path: &Path, format: &FormatArgs) -> Outcome {
     let is_expected = replayed.is_expected(&case);
     format.print(|| text, || document(&case, (compared, drift), recurs, is_expected))?;
     if is_expected {
-        return Ok(if recurs { Verdict::Passed } else { Verdict::CheckFailed });
+        return Ok(if recurs { ExitStatus::Passed } else { ExitStatus::CheckFailed });
     }
     print_note("the oracle's answer is not the one recorded");
-    Ok(Verdict::CheckFailed)
+    Ok(ExitStatus::CheckFailed)
 }
 
 /// The same for programs.

@@ -1,6 +1,6 @@
 //! `report`: what runs found, as a page to read, tables to calculate with, and a text for a pull request.
 
-use crate::exit::{Outcome, Verdict, print, print_note};
+use crate::exit::{ExitStatus, Outcome, print, print_note};
 use rockproof_model::text::escaped;
 use rockproof_report::markdown::markdown;
 use rockproof_report::page::page;
@@ -60,7 +60,7 @@ impl Report {
             (None, OutputFormat::Html, Some(run)) => run.join("report"),
             (None, _, _) => {
                 print(&contents)?;
-                return Ok(Verdict::Passed);
+                return Ok(ExitStatus::Passed);
             }
         };
         let path = report.write(&out, name, &contents, Start::of(false, self.overwrite))?;
@@ -70,6 +70,6 @@ impl Report {
         let charts = report.sections.iter().any(|section| section.charts().next().is_some());
         let beside = if charts { "tables, latex and charts" } else { "tables and latex" };
         print_note(&format!("written to {}, beside it {beside}", path.display()));
-        Ok(Verdict::Passed)
+        Ok(ExitStatus::Passed)
     }
 }

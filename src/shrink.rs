@@ -1,6 +1,6 @@
 //! `shrink`: a case made smaller while it shows the same finding, or a state file while its step does.
 
-use crate::exit::{Outcome, Verdict, print};
+use crate::exit::{ExitStatus, Outcome, print};
 use crate::input::EngineArgs;
 use crate::input_file::InputFile;
 use crate::output_file::OverwriteArgs;
@@ -68,7 +68,7 @@ impl Shrink {
         panel.check_shortage()?;
         write_atomically(out, small.to_toml()?).with_context(|| out.display().to_string())?;
         print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
-        Ok(Verdict::Passed)
+        Ok(ExitStatus::Passed)
     }
 
     /// The same of a state file.
@@ -79,7 +79,7 @@ impl Shrink {
         write_atomically(out, small.text()?).with_context(|| out.display().to_string())?;
         let [before, after] = [step_size(&case)?, step_size(&small)?];
         print(&format!("before: {before}\nafter:  {after}\nwritten to {}\n", out.display()))?;
-        Ok(Verdict::Passed)
+        Ok(ExitStatus::Passed)
     }
 }
 

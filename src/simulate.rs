@@ -2,7 +2,7 @@
 
 // Longer than 400 lines: one command with all its options and ways to end.
 
-use crate::exit::{Outcome, Verdict, print_error, print_note, shows_progress};
+use crate::exit::{ExitStatus, Outcome, print_error, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs};
 use crate::input_file::InputFile;
 use crate::progress::overlaps;
@@ -224,7 +224,7 @@ impl Simulate {
                 || json!({ "ending": "not run", "rules_violated": violations.iter().map(violation_json).collect::<Vec<_>>(), "overlaps": null }),
             )?;
             print_note("nothing was run; --force runs all the same");
-            return Ok(Verdict::CheckFailed);
+            return Ok(ExitStatus::CheckFailed);
         }
         let overlaps = overlaps(&scene.shapes(), &set, None);
         let lost = overlaps.sentence().filter(|_| overlaps.lost() > 0);
@@ -235,7 +235,7 @@ impl Simulate {
                     || json!({ "ending": "not run", "rules_violated": [], "overlaps": overlaps.json() }),
                 )?;
                 print_note("nothing was run; --force runs all the same");
-                return Ok(Verdict::CheckFailed);
+                return Ok(ExitStatus::CheckFailed);
             }
             print_note(&format!("running with blocks that overlap: {sentence}"));
         }
@@ -384,17 +384,17 @@ impl Simulate {
         )?;
         let audit = &record.progress().totals.audit;
         Ok(match ending {
-            Ending::Finished if audit.as_ref().is_some_and(AuditTotals::finds_fault) => Verdict::CheckFailed,
-            Ending::Finished => Verdict::Passed,
-            Ending::Interrupted => Verdict::Interrupted,
+            Ending::Finished if audit.as_ref().is_some_and(AuditTotals::finds_fault) => ExitStatus::CheckFailed,
+            Ending::Finished => ExitStatus::Passed,
+            Ending::Interrupted => ExitStatus::Interrupted,
             Ending::Stopped(stopped) => {
                 print_error(&stopped.to_string());
-                Verdict::CheckFailed
+                ExitStatus::CheckFailed
             }
-            Ending::Diverged => Verdict::CheckFailed,
+            Ending::Diverged => ExitStatus::CheckFailed,
             Ending::Unproved(why) => {
                 print_error(&format!("the oracle cannot make the step: {why}"));
-                Verdict::CheckFailed
+                ExitStatus::CheckFailed
             }
         })
     }

@@ -1,6 +1,6 @@
 //! `simulate --engine exact`: the oracle steps by itself.
 
-use crate::exit::{Outcome, Verdict, print_error};
+use crate::exit::{ExitStatus, Outcome, print_error};
 use crate::input::FormatArgs;
 use crate::stop::on_ctrl_c;
 use rockproof_differential::lockstep::Trajectory;
@@ -121,10 +121,10 @@ impl ExactRun {
         Ok(match failure {
             Some(why) => {
                 print_error(&why);
-                Verdict::CheckFailed
+                ExitStatus::CheckFailed
             }
-            None if ending == "interrupted" => Verdict::Interrupted,
-            None => Verdict::Passed,
+            None if ending == "interrupted" => ExitStatus::Interrupted,
+            None => ExitStatus::Passed,
         })
     }
 

@@ -1,6 +1,6 @@
 //! `tune`: which tolerances should this model use?
 
-use crate::exit::{Outcome, Verdict, print_note, shows_progress};
+use crate::exit::{ExitStatus, Outcome, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, stepper};
 use crate::input_file::InputFile;
 use crate::stop::on_ctrl_c;
@@ -193,7 +193,7 @@ impl Tune {
         let text = markdown(&file_name(self.file.path()), evaluator, &search);
         let Some(best) = search.best().map(|best| &search.tried()[best]) else {
             print_note("interrupted before the first candidate");
-            return Ok(Verdict::Interrupted);
+            return Ok(ExitStatus::Interrupted);
         };
         record.write("tune.md", text.as_bytes())?;
         record.write("tune.tex", sides_in_latex(&search).as_bytes())?;
@@ -212,9 +212,9 @@ impl Tune {
             })
         })?;
         Ok(match (stop.load(Ordering::Relaxed), best.measurement.is_clean()) {
-            (true, _) => Verdict::Interrupted,
-            (_, true) => Verdict::Passed,
-            (_, false) => Verdict::CheckFailed,
+            (true, _) => ExitStatus::Interrupted,
+            (_, true) => ExitStatus::Passed,
+            (_, false) => ExitStatus::CheckFailed,
         })
     }
 

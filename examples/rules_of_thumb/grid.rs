@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::tolerance_sets::SetSource;
-use rockproof_differential::attribution::{EnginePanel, examine};
+use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin;
 use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_differential::subject::Subject;
@@ -142,11 +142,11 @@ fn count_differences(
     none: Row,
 ) -> Row {
     let Some(set) = source.derive(&case.a, &case.b) else { return none };
-    let solids = [rockproof_oracle::PreparedBlock::new(&case.a), rockproof_oracle::PreparedBlock::new(&case.b)];
-    let contacts = rockproof_oracle::Pair::new(&solids[0], &solids[1]).classify(&set.f64).contacts.len() as u64;
+    let prepared = [rockproof_oracle::PreparedBlock::new(&case.a), rockproof_oracle::PreparedBlock::new(&case.b)];
+    let contacts = rockproof_oracle::Pair::new(&prepared[0], &prepared[1]).classify(&set.f64).contacts.len() as u64;
     let allowed = set.f64.penetration.approximate();
     let subject = Subject::from(pairs::PairCase { sets: vec![set], ..case.clone() });
-    let findings = examine(&subject, panel).findings;
+    let findings = examine_pair(&subject, panel).findings;
     let differs = |engine: &str, precision: Precision| {
         findings.iter().any(|finding| match &finding.scope {
             FindingScope::Any => false,

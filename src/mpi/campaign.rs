@@ -2,7 +2,7 @@
 
 use super::{Job, Ranks, introduction};
 use crate::campaign::{Campaign, Prepared, diagnosed};
-use crate::exit::{Outcome, Verdict, print_note};
+use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::progress::shown_while;
 use crate::stop::{on_ctrl_c, on_ctrl_c_silently};
 use rockproof_campaign::distribute::{Crew, serve};
@@ -21,10 +21,10 @@ impl Job for Campaign {
         let prepared = self.prepared()?;
         let stop = on_ctrl_c()?;
         if !self.probed(&prepared.engines, &stop)? {
-            return Ok(Verdict::Interrupted);
+            return Ok(ExitStatus::Interrupted);
         }
         let own = introduction(self.threads(), Ok(work_of(&prepared)?));
-        let Some(mut crew) = Crew::gather(ranks, &own, &stop)? else { return Ok(Verdict::Interrupted) };
+        let Some(mut crew) = Crew::gather(ranks, &own, &stop)? else { return Ok(ExitStatus::Interrupted) };
         let mut journal = self.journal(&prepared)?;
         let mut led = |journal: &mut Journal| {
             prepared.with_campaign(self.threads(), |campaign| {

@@ -3,7 +3,7 @@
 mod campaign;
 mod tune;
 
-use crate::exit::{Outcome, Verdict, chain, print_error};
+use crate::exit::{ExitStatus, Outcome, chain, print_error};
 use anyhow::Context;
 use mpi::Threading;
 use mpi::point_to_point::{MatchedReceiveVec, Source};
@@ -81,7 +81,7 @@ impl Ranks {
     /// What a worker comes to that has served; an error, which may be a panic, ends all ranks.
     fn served<E: Display>(&self, served: Result<(), E>, is_panic: impl FnOnce(&E) -> bool) -> Outcome {
         match served {
-            Ok(()) => Ok(Verdict::Passed),
+            Ok(()) => Ok(ExitStatus::Passed),
             Err(error) => self.end_all(&error.to_string(), if is_panic(&error) { PANICKED } else { 2 }),
         }
     }

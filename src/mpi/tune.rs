@@ -1,7 +1,7 @@
 //! `tune --mpi`: every rank measures candidates, rank 0 keeps the record (`crates/tune/src/distribute/`).
 
 use super::{Job, Ranks, introduction};
-use crate::exit::{Outcome, Verdict};
+use crate::exit::{ExitStatus, Outcome};
 use crate::stop::{on_ctrl_c, on_ctrl_c_silently};
 use crate::tune::{Prepared, Tune};
 use rockproof_campaign::config::CampaignConfig;
@@ -21,9 +21,9 @@ impl Job for Tune {
         let prepared = self.prepared(&pool)?;
         let stop = on_ctrl_c()?;
         let own = introduction(self.threads(), Ok(work_of(&prepared)?));
-        let Some(mut crew) = Crew::gather(ranks, &own, &pool, &stop)? else { return Ok(Verdict::Interrupted) };
+        let Some(mut crew) = Crew::gather(ranks, &own, &pool, &stop)? else { return Ok(ExitStatus::Interrupted) };
         let Prepared { evaluator, author, identity, dir } = prepared;
-        let Some(evaluator) = crew.audited(evaluator, &stop)? else { return Ok(Verdict::Interrupted) };
+        let Some(evaluator) = crew.audited(evaluator, &stop)? else { return Ok(ExitStatus::Interrupted) };
         self.searched((&evaluator, &author), (&identity, &dir), &stop, |search, enough, commit| {
             crew.search(search, enough, &stop, commit)
         })

@@ -10,7 +10,7 @@ use rockproof_campaign::directed::FACE_CHOICES;
 use rockproof_campaign::families;
 use rockproof_campaign::pairs::{PairCase, PairForm};
 use rockproof_campaign::source::{self, FamilySource};
-use rockproof_differential::attribution::examine;
+use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::builtin;
 use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_differential::subject::PairSource;
@@ -49,7 +49,7 @@ fn compare_precisions(batches: u64) {
     let examined: Vec<(String, Cause)> = (0..batches)
         .into_par_iter()
         .flat_map_iter(|number| source.batch(number))
-        .flat_map_iter(|subject| examine(&subject, &panel).findings)
+        .flat_map_iter(|subject| examine_pair(&subject, &panel).findings)
         .map(|finding| {
             let scope = match &finding.scope {
                 FindingScope::Any => "any".to_owned(),

@@ -4,19 +4,19 @@
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use rockproof_gate::junit::{annotations, is_ours, junit, markdown};
-use rockproof_gate::{Check, Verdict};
+use rockproof_gate::{Check, CheckStatus};
 use std::collections::BTreeMap;
 
 const NASTY: &str = "50%: a,b::c | d_e_f *g* `h` <i> & \"j\" [k](l) \\ m%0An";
 
-fn check(group: &'static str, name: &str, message: &str, verdict: Verdict) -> Check {
+fn check(group: &'static str, name: &str, message: &str, status: CheckStatus) -> Check {
     let place = (format!("a,b:c%/{name}.toml"), 3);
     let case = (name == "b").then(|| "reports/gate/fixed/cases/b.toml".into());
     Check {
         group,
         name: name.to_owned(),
         message: message.to_owned(),
-        verdict,
+        status,
         place,
         rows: Vec::new(),
         seconds: 0.25,
@@ -26,12 +26,12 @@ fn check(group: &'static str, name: &str, message: &str, verdict: Verdict) -> Ch
 
 fn checks() -> Vec<Check> {
     vec![
-        check("limit", NASTY, "first line\nsecond line", Verdict::Fail),
-        check("limit", "plain", "fine", Verdict::Pass),
-        check("baseline", "b", NASTY, Verdict::Fail),
-        check("corpus", "skipped | case", "an engine takes no part", Verdict::Skip),
-        check("corpus", "passed", "", Verdict::Pass),
-        check("corpus", "stderr", "\u{1b}[31mred\u{0}\u{7}", Verdict::Fail),
+        check("limit", NASTY, "first line\nsecond line", CheckStatus::Fail),
+        check("limit", "plain", "fine", CheckStatus::Pass),
+        check("baseline", "b", NASTY, CheckStatus::Fail),
+        check("corpus", "skipped | case", "an engine takes no part", CheckStatus::Skip),
+        check("corpus", "passed", "", CheckStatus::Pass),
+        check("corpus", "stderr", "\u{1b}[31mred\u{0}\u{7}", CheckStatus::Fail),
     ]
 }
 
@@ -121,7 +121,7 @@ fn junit_is_what_its_schema_allows() {
 
 #[test]
 fn no_line_of_junit_is_a_command_to_a_runner_that_prints_it() {
-    let text = junit(&[check("corpus", "a\n::error::b\u{1b}[31m", "c\r\n::error::d", Verdict::Fail)]).expect("XML");
+    let text = junit(&[check("corpus", "a\n::error::b\u{1b}[31m", "c\r\n::error::d", CheckStatus::Fail)]).expect("XML");
     assert!(text.lines().all(|line| !line.trim_start().starts_with("::")), "{text}");
     assert!(text.contains("a\\n::error::b\\u{1b}[31m") && text.contains("c\\r\\n::error::d"), "{text}");
 }
@@ -142,7 +142,7 @@ fn command(line: &str) -> Option<(String, BTreeMap<String, String>, String)> {
 fn annotations_come_apart_as_they_were_put_together() {
     let text = annotations(&checks());
     let lines: Vec<_> = text.lines().map(|line| command(line).expect(line)).collect();
-    let failed: Vec<Check> = checks().into_iter().filter(|check| check.verdict == Verdict::Fail).collect();
+    let failed: Vec<Check> = checks().into_iter().filter(|check| check.status == CheckStatus::Fail).collect();
     assert_eq!(lines.len(), failed.len());
     for ((name, properties, message), check) in lines.iter().zip(&failed) {
         assert_eq!(name, "error");
@@ -153,7 +153,7 @@ fn annotations_come_apart_as_they_were_put_together() {
         assert_eq!(*message, format!("{}: {shown}", check.name));
     }
     assert!(!text.contains(|c: char| c.is_control() && c != '\n'), "{text:?}");
-    assert_eq!(annotations(&[check("limit", "plain", "fine", Verdict::Pass)]), "");
+    assert_eq!(annotations(&[check("limit", "plain", "fine", CheckStatus::Pass)]), "");
 }
 
 /// The cells of the only table in a Markdown text, as a reader sees them.

@@ -15,7 +15,7 @@ use rockproof_differential::finding::Finding;
 use rockproof_gate::config::GateConfig;
 use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::tally::CampaignTally;
-use rockproof_gate::{self, Verdict};
+use rockproof_gate::{self, CheckStatus};
 use rockproof_results::Start;
 use std::fs;
 use std::path::Path;
@@ -60,7 +60,7 @@ fn mistakes_in_the_stepper_fail_and_the_stepper_passes() {
     let failed = |tally: &CampaignTally| {
         let limits = rockproof_gate::limits(&config, ("gate.toml", GATE), "fixed", tally);
         let checks = [limits, known.check("fixed", tally, baseline)];
-        checks.map(|checks| checks.iter().filter(|check| check.verdict == Verdict::Fail).count())
+        checks.map(|checks| checks.iter().filter(|check| check.status == CheckStatus::Fail).count())
     };
     assert_eq!(failed(&clean), [0, 0]);
     for name in MISTAKES {

@@ -9,7 +9,7 @@ use crate::mistakes::Mistaken;
 use rayon::prelude::*;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::source::{self, FamilySource};
-use rockproof_differential::attribution::{EnginePanel, examine};
+use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin::{self, BuiltinOracle};
 use rockproof_differential::engine::Engine;
 use rockproof_differential::finding::{Cause, Finding};
@@ -55,7 +55,7 @@ fn default_source() -> FamilySource {
 fn defect(subject: &Subject, name: &'static str, engine: Mistaken) -> Option<Finding> {
     let engines: Vec<Box<dyn Engine>> = vec![Box::new(OneEngine(name, engine))];
     let panel = EnginePanel { oracle: Box::new(BuiltinOracle), engines, metamorphic_every: 0 };
-    examine(subject, &panel).findings.into_iter().find(|f| f.cause == Cause::Defect)
+    examine_pair(subject, &panel).findings.into_iter().find(|f| f.cause == Cause::Defect)
 }
 
 /// Whether the mistake changes an answer of the stepper in f64 on this pair. Only then is it worth a full examination:
@@ -85,7 +85,7 @@ fn finding_of(
     let mut found: Vec<(usize, u64, Finding)> = Vec::new();
     let mut wrong = Vec::new();
     for subject in source.batch(batch) {
-        wrong.extend(examine(&subject, right).findings.into_iter().filter(|f| f.cause == Cause::Defect));
+        wrong.extend(examine_pair(&subject, right).findings.into_iter().filter(|f| f.cause == Cause::Defect));
         let (Some(a), Some(b)) = (subject.a.rounded(Precision::F64), subject.b.rounded(Precision::F64)) else {
             continue;
         };

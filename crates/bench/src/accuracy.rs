@@ -244,8 +244,8 @@ fn family(
 
 fn certified((a, b): (&Block, &Block), set: &ToleranceSet) -> (Vec<Contact>, f64) {
     let begun = Instant::now();
-    let solids = [rockproof_oracle::PreparedBlock::new(a), rockproof_oracle::PreparedBlock::new(b)];
-    let contacts = Pair::new(&solids[0], &solids[1]).classify(set).contacts;
+    let prepared = [rockproof_oracle::PreparedBlock::new(a), rockproof_oracle::PreparedBlock::new(b)];
+    let contacts = Pair::new(&prepared[0], &prepared[1]).classify(set).contacts;
     (contacts, begun.elapsed().as_secs_f64())
 }
 

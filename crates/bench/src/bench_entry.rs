@@ -77,12 +77,12 @@ pub fn bench_entries() -> Vec<BenchEntry> {
         fast("f32", TimedPart::Whole, |pair| from_blocks::<f32>(pair).map_or(0, |ready| stepper(&ready))),
         fast(FLOAT, TimedPart::Whole, |pair| from_blocks::<f64>(pair).map_or(0, |ready| stepper(&ready))),
         fast(NEARBY, TimedPart::Whole, |pair| from_blocks::<f64>(pair).map_or(0, |ready| nearby(&ready, pair))),
-        fast(CERTIFIED, TimedPart::Whole, |pair| certified(&solids(pair), pair)),
-        fast(CERTIFIED_NEARBY, TimedPart::Whole, |pair| certified_nearby(&solids(pair), pair)),
+        fast(CERTIFIED, TimedPart::Whole, |pair| certified(&prepared(pair), pair)),
+        fast(CERTIFIED_NEARBY, TimedPart::Whole, |pair| certified_nearby(&prepared(pair), pair)),
         fast("f32", TimedPart::Preparation, |pair| usize::from(black_box(from_blocks::<f32>(pair)).is_none())),
         fast(FLOAT, TimedPart::Preparation, |pair| usize::from(black_box(from_blocks::<f64>(pair)).is_none())),
         fast(CERTIFIED, TimedPart::Preparation, |pair| {
-            usize::from(black_box(solids(pair))[0].block().vertices().is_empty())
+            usize::from(black_box(prepared(pair))[0].block().vertices().is_empty())
         }),
         slow("plain num-rational", plainly::<BigRational>),
     ];
@@ -105,11 +105,11 @@ fn nearby(([a, b], tolerances): &FloatPair<f64>, pair: &PreparedPair) -> usize {
 
 fn from_blocks<R: Real>(pair: &PreparedPair) -> Option<FloatPair<R>> {
     let set = if size_of::<R>() == size_of::<f32>() { &pair.tolerances_f32 } else { &pair.tolerances };
-    let solid = |block: &Block| PreparedBlock::new(block).ok();
-    Some(([solid(&pair.a)?, solid(&pair.b)?], Tolerances::new(set).ok()?))
+    let prepare = |block: &Block| PreparedBlock::new(block).ok();
+    Some(([prepare(&pair.a)?, prepare(&pair.b)?], Tolerances::new(set).ok()?))
 }
 
-fn solids(pair: &PreparedPair) -> [rockproof_oracle::PreparedBlock; 2] {
+fn prepared(pair: &PreparedPair) -> [rockproof_oracle::PreparedBlock; 2] {
     [rockproof_oracle::PreparedBlock::new(&pair.a), rockproof_oracle::PreparedBlock::new(&pair.b)]
 }
 

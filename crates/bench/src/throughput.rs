@@ -7,7 +7,7 @@ use rockproof_campaign::journal::Journal;
 use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::run::{Campaign, RunError};
 use rockproof_campaign::source::SourceError;
-use rockproof_differential::attribution::{EnginePanel, examine};
+use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::{PairSource, Subject};
@@ -110,7 +110,7 @@ impl PairSource for FindingCollector<'_> {
 
     fn batch(&self, number: u64) -> Vec<Subject> {
         let subjects = self.pairs.batch(number);
-        let differ = subjects.iter().filter(|s| !examine(s, self.panel).findings.is_empty()).map(|s| s.index);
+        let differ = subjects.iter().filter(|s| !examine_pair(s, self.panel).findings.is_empty()).map(|s| s.index);
         let differ: Vec<u64> = differ.collect();
         self.found.lock().unwrap_or_else(PoisonError::into_inner).extend(differ);
         Vec::new()

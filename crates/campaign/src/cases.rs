@@ -9,7 +9,7 @@ use super::run::{Campaign, RunError, Stopped, rows};
 use super::shrink::Shrinker;
 use super::steps::{self, StepFinding, StepFindingRow};
 use rayon::prelude::*;
-use rockproof_differential::attribution::examine;
+use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::{FAR_FROM_TIE, Finding, Fingerprint};
 use rockproof_differential::motion::PairMotion;
@@ -175,7 +175,7 @@ impl Campaign<'_> {
     /// The finding behind a row, the `place`-th of its pair, from 0: the pair is examined again. `None` where it does not say the same,
     /// which an external engine may do.
     fn finding_again(&self, row: &FindingRow, place: usize) -> Option<Finding> {
-        let findings = examine(&self.subject(row.index)?, self.panel).findings;
+        let findings = examine_pair(&self.subject(row.index)?, self.panel).findings;
         findings.into_iter().nth(place).filter(|finding| finding.row(String::new()) == *row)
     }
 

@@ -7,7 +7,7 @@ use super::cases::case_request;
 use super::journal::{FINDINGS, Journal};
 use super::run::{Campaign, Ending, RunError, Stopped};
 use rayon::prelude::*;
-use rockproof_differential::attribution::examine;
+use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::collapse::collapsed_feature;
 use rockproof_differential::compare::AnswerChange;
@@ -209,7 +209,9 @@ impl Campaign<'_> {
         let is_it = |finding: &Finding| {
             finding.scope == scope && *finding.set == *place.set && is_difference(finding.difference.change)
         };
-        let Some(finding) = examine(&subject, self.panel).findings.into_iter().find(is_it) else { return Ok(None) };
+        let Some(finding) = examine_pair(&subject, self.panel).findings.into_iter().find(is_it) else {
+            return Ok(None);
+        };
         let case = Case::of(&finding, &subject, self.config.seed, self.panel);
         let Some(case) = case else { return Ok(None) };
         Ok(Some((case_request(&finding.row(String::new())).name, case.to_toml()?.into_bytes())))

@@ -6,7 +6,7 @@
 use super::run::RunError;
 use super::steps::{self, StepFinding, StepSummary};
 use rockproof_differential::agreement::Agreement;
-use rockproof_differential::attribution::{PairExamination, examine};
+use rockproof_differential::attribution::{PairExamination, examine_pair};
 use rockproof_differential::builtin;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::PairSource;
@@ -128,7 +128,7 @@ impl Machine {
         let mut said = Vec::new();
         let (mut agreement, mut steps) = (Agreement::default(), StepSummary::default());
         for subject in (0..FIRST_BATCHES).flat_map(|number| source.batch(number)) {
-            let PairExamination { findings, agreement: of_pair, .. } = examine(&subject, &panel);
+            let PairExamination { findings, agreement: of_pair, .. } = examine_pair(&subject, &panel);
             agreement.add_record(of_pair);
             said.extend(super::run::rows(&findings, &vec![None; findings.len()], Finding::row)?);
             if let Some(motion) = source.motion(&subject) {

@@ -10,7 +10,7 @@ use super::part::Part;
 use super::steps::{self, StepEngine, StepFinding};
 use super::summary::PairGroup;
 use rockproof_differential::agreement_record::AgreementRecord;
-use rockproof_differential::attribution::{EnginePanel, PairExamination, examine};
+use rockproof_differential::attribution::{EnginePanel, PairExamination, examine_pair};
 use rockproof_differential::engine::{Levels, Shortage};
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::PairSource;
@@ -296,7 +296,7 @@ impl Campaign<'_> {
                 });
             }
             let PairExamination { findings, levels, contacts, metamorphic_checks, agreement } =
-                examine(subject, self.panel);
+                examine_pair(subject, self.panel);
             seen.pairs.fetch_add(1, Ordering::Relaxed);
             seen.findings.fetch_add(findings.len() as u64, Ordering::Relaxed);
             for finding in &findings {

@@ -13,7 +13,7 @@ use super::collapse::collapsed_feature;
 use super::collision;
 use super::compare::{AnswerChange, Difference, Features, differences};
 use super::engine::{
-    Answer, Engine, EngineFailure, ExactPair, ExactSolids, Levels, Oracle, Prepared, Shortage, Trace, catch_panic,
+    Answer, Engine, EngineFailure, ExactPair, ExactPrepared, Levels, Oracle, Prepared, Shortage, Trace, catch_panic,
 };
 use super::explain::{ChainLink, explain, nearest_decisions};
 use super::external::protocol::completed;
@@ -108,7 +108,7 @@ impl WantedFindings<'_> {
 }
 
 /// Examines one pair under all its tolerance sets.
-pub fn examine(subject: &Subject, panel: &EnginePanel) -> PairExamination {
+pub fn examine_pair(subject: &Subject, panel: &EnginePanel) -> PairExamination {
     examination(subject, panel, None)
 }
 
@@ -123,8 +123,8 @@ fn examination<'p>(
     wanted: Option<WantedFindings<'p>>,
 ) -> PairExamination {
     let rounded: Vec<RoundedPair<'_>> = panel.precisions().into_iter().map(|p| RoundedPair::new(subject, p)).collect();
-    let solids = panel.oracle.prepare(&subject.a, &subject.b);
-    let exact = ExactSide::new(solids.pair());
+    let prepared = panel.oracle.prepare(&subject.a, &subject.b);
+    let exact = ExactSide::new(prepared.pair());
     let views: Vec<PrecisionView<'_, '_>> = rounded.iter().map(|r| PrecisionView::new(r, panel)).collect();
     let mut examination = Examiner {
         subject,
@@ -166,7 +166,7 @@ struct RoundedPair<'o> {
     /// What rounding destroyed.
     collapsed: Option<String>,
     /// The rounded blocks in the oracle.
-    solids: OnceCell<Box<dyn ExactSolids + 'o>>,
+    prepared: OnceCell<Box<dyn ExactPrepared + 'o>>,
 }
 
 impl RoundedPair<'_> {
@@ -186,7 +186,7 @@ impl RoundedPair<'_> {
                 .or_else(|| collapsed_feature(b).map(|what| format!("{what} in block B"))),
             _ => None,
         };
-        RoundedPair { precision, blocks, same, collapsed, solids: OnceCell::new() }
+        RoundedPair { precision, blocks, same, collapsed, prepared: OnceCell::new() }
     }
 }
 
@@ -261,7 +261,8 @@ impl<'p, 'o: 'p> PrecisionView<'p, 'o> {
 
     /// The oracle's side of the rounded pair.
     fn exact_side(&self, [a, b]: &'p [Block; 2]) -> &ExactSide<'p> {
-        self.exact.get_or_init(|| ExactSide::new(self.rounded.solids.get_or_init(|| self.oracle.prepare(a, b)).pair()))
+        self.exact
+            .get_or_init(|| ExactSide::new(self.rounded.prepared.get_or_init(|| self.oracle.prepare(a, b)).pair()))
     }
 }
 

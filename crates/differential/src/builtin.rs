@@ -3,7 +3,7 @@
 use super::attribution::EnginePanel;
 use super::compare::AnswerChange;
 use super::engine::{
-    Engine, EngineFailure, ExactAnswer, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, WideAnswer,
+    Engine, EngineFailure, ExactAnswer, ExactPair, ExactPrepared, Levels, Oracle, Prepared, Trace, WideAnswer,
 };
 use super::finding::{Finding, FindingScope};
 use super::indexed_trace::IndexedTrace;
@@ -91,21 +91,21 @@ impl<R: Real, M: ContactRules> Prepared for StepperPair<R, M> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BuiltinOracle;
 
-struct BuiltinSolids {
+struct BuiltinPrepared {
     a: rockproof_oracle::PreparedBlock,
     b: rockproof_oracle::PreparedBlock,
 }
 
 impl Oracle for BuiltinOracle {
-    fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactSolids + 'o> {
-        Box::new(BuiltinSolids {
+    fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactPrepared + 'o> {
+        Box::new(BuiltinPrepared {
             a: rockproof_oracle::PreparedBlock::new(a),
             b: rockproof_oracle::PreparedBlock::new(b),
         })
     }
 }
 
-impl ExactSolids for BuiltinSolids {
+impl ExactPrepared for BuiltinPrepared {
     fn pair(&self) -> Box<dyn ExactPair + '_> {
         Box::new(rockproof_oracle::Pair::new(&self.a, &self.b))
     }

@@ -219,11 +219,11 @@ impl EngineFailure {
 /// The exact side.
 pub trait Oracle: Send + Sync {
     /// Prepares two blocks for exact classification.
-    fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactSolids + 'o>;
+    fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactPrepared + 'o>;
 }
 
 /// Two blocks inside the oracle.
-pub trait ExactSolids {
+pub trait ExactPrepared {
     /// The two as a pair, A first. Keep it for as long as questions are asked: it remembers what it worked out.
     fn pair(&self) -> Box<dyn ExactPair + '_>;
 }

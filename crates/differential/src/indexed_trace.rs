@@ -79,8 +79,8 @@ mod tests {
         };
         let (a, b) = (cube([0.0, 0.0, 0.0]), cube([1.0, 1.0, 2.0]));
         let tolerances = ToleranceSet { search: number(1.0), penetration: number(1.0), ..ToleranceSet::ZERO };
-        let solids = BuiltinOracle.prepare(&a, &b);
-        let (plain, indexed) = (solids.pair().trace(&tolerances), solids.pair().indexed_trace(&tolerances));
+        let prepared = BuiltinOracle.prepare(&a, &b);
+        let (plain, indexed) = (prepared.pair().trace(&tolerances), prepared.pair().indexed_trace(&tolerances));
         assert_eq!(indexed.decisions(), &plain);
         assert!(plain.len() > 100, "{} decisions", plain.len());
         for (place, (decision, _)) in plain.iter().enumerate() {

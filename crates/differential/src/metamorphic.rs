@@ -90,8 +90,8 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
         return;
     }
     let features = Features { a: base.blocks[0].topology(), b: base.blocks[1].topology() };
-    let solids = base.oracle.prepare(a, b);
-    let pair = solids.pair();
+    let exact_blocks = base.oracle.prepare(a, b);
+    let pair = exact_blocks.pair();
     let turned = pair.classify(&tolerances).contacts;
     let exact = other.to_original(&turned);
     let allowed = differences(base.exact, &exact, features);
@@ -150,8 +150,8 @@ fn deciding(
         (&turned.other.blocks, turned.tolerances, turned.prepared)
     };
     let local = if wrong_before { *difference } else { turned.other.to_transformed(difference) };
-    let solids = base.oracle.prepare(&blocks[0], &blocks[1]);
-    let pair = solids.pair();
+    let exact_blocks = base.oracle.prepare(&blocks[0], &blocks[1]);
+    let pair = exact_blocks.pair();
     let link = ChainLink {
         before: &|| Some(Rc::new(pair.indexed_trace(tolerances))),
         after: &|| engine_trace(prepared, tolerances).map(IndexedTrace::of).map(Rc::new),

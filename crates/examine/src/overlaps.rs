@@ -32,8 +32,8 @@ pub fn overlaps(
     seen: &WorkProgress,
     stop: &AtomicBool,
 ) -> Overlaps {
-    let solids: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
-    let auditor = Auditor::new(&solids, tolerances);
+    let prepared: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
+    let auditor = Auditor::new(&prepared, tolerances);
     let pairs = match only {
         None => auditor.neighbours(),
         Some(pairs) => pairs.iter().map(|&(i, j)| [i.min(j), i.max(j)]).collect(),

@@ -2,7 +2,7 @@
 
 use crate::progress::WorkProgress;
 use rayon::prelude::*;
-use rockproof_differential::attribution::{EnginePanel, examine};
+use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, FAR_FROM_TIE, Finding, FindingScope};
@@ -109,7 +109,7 @@ pub(crate) fn examine_all(
             return None;
         }
         let mut found = ExaminedPair { blocks: pair, tolerance: 0, engines: Default::default() };
-        for finding in examine(&subject(blocks, number, pair, set), &panel).findings {
+        for finding in examine_pair(&subject(blocks, number, pair, set), &panel).findings {
             let is_f64 = match &finding.scope {
                 FindingScope::Any => false,
                 FindingScope::Rounded(precision) => *precision == Precision::F64,

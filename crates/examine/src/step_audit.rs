@@ -191,15 +191,15 @@ fn unseen(
     blocks: [usize; 2],
     (closed, rounding): (&[([usize; 2], Contact)], &Number),
 ) -> Option<PairDepth> {
-    let solids = blocks.map(|block| PreparedBlock::new(&screen.block(block)));
+    let prepared = blocks.map(|block| PreparedBlock::new(&screen.block(block)));
     let kept: Vec<ContactKey> = closed.iter().map(|(_, contact)| contact.key).collect();
-    let pair = Pair::new(&solids[0], &solids[1]);
+    let pair = Pair::new(&prepared[0], &prepared[1]);
     let is_pressed = || closed_see && closed.iter().any(|(_, contact)| pair.gap(&contact.entrance).sign.is_negative());
     // The contacts first: to find them costs a fraction of what an exact depth does.
     if pair.classify_with_kept(set, &kept).contacts.iter().any(|contact| contact.gap.is_negative()) || is_pressed() {
         return None;
     }
-    let overlap = Auditor::new(&solids, set).pair_with_kept([0, 1], &kept).overlap?;
+    let overlap = Auditor::new(&prepared, set).pair_with_kept([0, 1], &kept).overlap?;
     overlap.is_unseen(rounding).then(|| pair_depth(blocks, &overlap.penetration))
 }
 
@@ -212,8 +212,8 @@ fn deepest_beyond(
 ) -> Option<PairDepth> {
     bounded.retain(|overlap| overlap.most_m > floor.approximate());
     let measure = |blocks: [usize; 2]| {
-        let solids = blocks.map(|block| PreparedBlock::new(&screen.block(block)));
-        Auditor::new(&solids, set).depth([0, 1])
+        let prepared = blocks.map(|block| PreparedBlock::new(&screen.block(block)));
+        Auditor::new(&prepared, set).depth([0, 1])
     };
     let (blocks, depth) = deepest(bounded, measure)?;
     let floor_squared = floor.times(floor).to_rational();

@@ -32,8 +32,8 @@ fn plainly<R: Solve>(
     let shapes: Vec<&Block> = blocks.iter().collect();
     let [rounding, floor] = [precision, Precision::F64].map(|precision| rounding_depth(&shapes, precision));
     let floor_squared = floor.times(&floor).to_rational();
-    let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
-    let auditor = Auditor::new(&solids, set);
+    let prepared: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
+    let auditor = Auditor::new(&prepared, set);
     let (mut found, mut most) = (StepAudit::default(), BigRational::default());
     for pair in auditor.neighbours() {
         if pair.iter().all(|&block| scene.blocks[block].body.is_fixed()) {
@@ -44,7 +44,7 @@ fn plainly<R: Solve>(
         let kept: Vec<ContactKey> = closed.iter().map(|contact| contact.key()).collect();
         let Some(overlap) = auditor.pair_with_kept(pair, &kept).overlap else { continue };
         let depth = PairDepth { blocks: pair, depth_m: overlap.penetration.depth_m().expect("a depth") };
-        let [a, b] = pair.map(|block| &solids[block]);
+        let [a, b] = pair.map(|block| &prepared[block]);
         let is_pressed =
             closed_see && closed.iter().any(|contact| Pair::new(a, b).gap(&contact.entrance()).sign.is_negative());
         if overlap.is_unseen(&rounding) && !is_pressed {

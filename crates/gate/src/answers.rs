@@ -2,7 +2,7 @@
 
 use super::config::GateConfig;
 use super::tally::{CampaignTally, TallyRow};
-use super::{Check, Verdict, limit_scope};
+use super::{Check, CheckStatus, limit_scope};
 use rockproof_differential::finding::Cause;
 use rockproof_model::text::noun;
 use std::collections::{BTreeMap, BTreeSet};
@@ -39,11 +39,11 @@ pub fn checks(
         let answers = tally.answers(name);
         let is_limited = config.limit.iter().any(|limit| limit_scope::concerns(limit.get_ref(), spec));
         let silent = answers.answered == 0 && answers.asked > 0;
-        let (verdict, message) = if answers.asked == 0 {
-            (Verdict::Skip, "no pair survived rounding, so it was asked about none".to_owned())
+        let (status, message) = if answers.asked == 0 {
+            (CheckStatus::Skip, "no pair survived rounding, so it was asked about none".to_owned())
         } else if silent {
             (
-                Verdict::Fail,
+                CheckStatus::Fail,
                 format!(
                     "answered none of {} {}: {}",
                     answers.asked,
@@ -52,17 +52,17 @@ pub fn checks(
                 ),
             )
         } else if is_limited || known || corpus.contains(name) {
-            (Verdict::Pass, answers.words())
+            (CheckStatus::Pass, answers.words())
         } else {
             let none = "no limit, no baseline and no case of the corpus concerns it, so whatever it answers would pass";
-            (Verdict::Fail, format!("{}, but {none}; a limit with engine = \"{name}\" does", answers.words()))
+            (CheckStatus::Fail, format!("{}, but {none}; a limit with engine = \"{name}\" does", answers.words()))
         };
         let rows = (0..tally.rows.len()).filter(|&at| silent && is_about(&tally.rows[at], name));
         Check {
             group: "engine",
             name: format!("{run}: engine {name} answers"),
             message,
-            verdict,
+            status,
             place: (file.to_owned(), 1),
             rows: rows.collect(),
             seconds: 0.0,

@@ -1,6 +1,6 @@
 //! Cases that are examined on every run of a gate.
 
-use super::{Check, Verdict};
+use super::{Check, CheckStatus};
 use rockproof_campaign::engines::Engines;
 use rockproof_differential::case_file::{Case, CaseError, contact_rows};
 use rockproof_differential::engine::{Shortage, catch_panic};
@@ -89,7 +89,7 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {
 
 fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
     let begun = Instant::now();
-    let (verdict, message) = if StepCase::is_named(file) {
+    let (status, message) = if StepCase::is_named(file) {
         let at = |source| CorpusError::Step { file: file.display().to_string(), source };
         let case = StepCase::load(file).map_err(|error| at(error.into()))?;
         judge_step(&case, engines).map_err(at)?
@@ -97,12 +97,12 @@ fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
         judge(&Case::load(file)?, engines)
     };
     let name = file.display().to_string();
-    let case = (verdict == Verdict::Fail).then(|| file.to_owned());
+    let case = (status == CheckStatus::Fail).then(|| file.to_owned());
     Ok(Check {
         group: "corpus",
         name: name.clone(),
         message,
-        verdict,
+        status,
         place: (name, 1),
         rows: Vec::new(),
         seconds: begun.elapsed().as_secs_f64(),
@@ -110,81 +110,82 @@ fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
     })
 }
 
-fn judge(case: &Case, engines: &Engines) -> (Verdict, String) {
+fn judge(case: &Case, engines: &Engines) -> (CheckStatus, String) {
     let about = &case.about;
     let Some(panel) = engines.panel_of(case) else {
         let reason = match about.engine.as_str() {
             precision @ ("f32" | "f64") => format!("no engine that is given {precision} takes part in this gate"),
             engine => format!("engine {engine} takes no part in this gate"),
         };
-        return (Verdict::Skip, reason);
+        return (CheckStatus::Skip, reason);
     };
     let exact = |a: &_, b: &_, t: &_| panel.oracle.prepare(a, b).pair().classify(t).contacts;
     let precision = panel.precisions().pop().unwrap_or(rockproof_model::Precision::F64);
     let near =
         || Some((case.a.rounded(precision)?, case.b.rounded(precision)?, case.tolerances.rounded(precision).ok()?));
-    let Some((a, b, t)) = near() else { return (Verdict::Fail, format!("the input overflows in {precision}")) };
+    let Some((a, b, t)) = near() else { return (CheckStatus::Fail, format!("the input overflows in {precision}")) };
     let right = match about.cause.as_str() {
         "tolerance" => exact(&case.a, &case.b, &case.tolerances.ideal()),
         "representation" => exact(&case.a, &case.b, &case.tolerances),
         _ => exact(&a, &b, &t),
     };
     if contact_rows(&right) != about.expected {
-        return (Verdict::Fail, "the exact answer is not the one the case expects".to_owned());
+        return (CheckStatus::Fail, "the exact answer is not the one the case expects".to_owned());
     }
     let said = match about.cause.as_str() {
         "tolerance" => exact(&case.a, &case.b, &case.tolerances),
         "representation" => exact(&a, &b, &t),
         _ => {
-            let Some(engine) = panel.engines.first() else { return (Verdict::Skip, "no engine".to_owned()) };
+            let Some(engine) = panel.engines.first() else { return (CheckStatus::Skip, "no engine".to_owned()) };
             match catch_panic(|| engine.prepare(&a, &b)?.classify(&t)) {
                 Ok(contacts) => completed(contacts, &right),
                 Err(failure) if failure.change().name() == about.change => {
-                    return (Verdict::Pass, "as recorded".to_owned());
+                    return (CheckStatus::Pass, "as recorded".to_owned());
                 }
-                Err(failure) => return (Verdict::Fail, failure.to_string()),
+                Err(failure) => return (CheckStatus::Fail, failure.to_string()),
             }
         }
     };
     let said = contact_rows(&said);
     if said == about.expected {
-        (Verdict::Pass, "the engine agrees".to_owned())
+        (CheckStatus::Pass, "the engine agrees".to_owned())
     } else if about.cause == "defect" {
-        (Verdict::Fail, "a defect is back".to_owned())
+        (CheckStatus::Fail, "a defect is back".to_owned())
     } else if said == about.found {
-        (Verdict::Pass, "as recorded".to_owned())
+        (CheckStatus::Pass, "as recorded".to_owned())
     } else {
-        (Verdict::Fail, format!("{} says neither what is right nor what the case records", about.engine))
+        (CheckStatus::Fail, format!("{} says neither what is right nor what the case records", about.engine))
     }
 }
 
 /// The same of a state file, whose engine is the stepper of its precision.
-fn judge_step(case: &StepCase, engines: &Engines) -> Result<(Verdict, String), ReplayError> {
+fn judge_step(case: &StepCase, engines: &Engines) -> Result<(CheckStatus, String), ReplayError> {
     let engine = format!("stepper-{}", case.precision()?);
     if engines.find(&engine).is_none() {
-        return Ok((Verdict::Skip, format!("engine {engine} takes no part in this gate")));
+        return Ok((CheckStatus::Skip, format!("engine {engine} takes no part in this gate")));
     }
     let step = ReplayedStep::of(case)?;
     if !step.is_expected(case) {
-        return Ok((Verdict::Fail, "the oracle's answer is not the one the case expects".to_owned()));
+        return Ok((CheckStatus::Fail, "the oracle's answer is not the one the case expects".to_owned()));
     }
     if let Some(missing) = step.missing(case) {
         let missing = excerpt(missing, EXCERPT_LENGTH);
-        return Ok((Verdict::Fail, format!("what the case records has no longer its cause: {missing}")));
+        return Ok((CheckStatus::Fail, format!("what the case records has no longer its cause: {missing}")));
     }
     if let Some(drift) = step.drift {
-        return Ok((Verdict::Fail, format!("a defect: {drift}")));
+        return Ok((CheckStatus::Fail, format!("a defect: {drift}")));
     }
     let is_own = |cause| matches!(cause, StepCause::Link(Cause::Arithmetic | Cause::Defect));
     let own: Vec<_> = step.differences().into_iter().filter(|one| is_own(one.cause)).collect();
     if let Some(defect) = own.iter().find(|one| one.cause == Cause::Defect.into()) {
-        return Ok((Verdict::Fail, defect.words().to_owned()));
+        return Ok((CheckStatus::Fail, defect.words().to_owned()));
     }
     Ok(match own.iter().find(|one| !one.is_in(case)) {
-        Some(new) => {
-            (Verdict::Fail, format!("{engine} does neither what is right nor what the case records: {}", new.words()))
-        }
-        None if step.recurs() => (Verdict::Pass, "as recorded".to_owned()),
-        None => (Verdict::Pass, "the engine agrees".to_owned()),
+        Some(new) => (
+            CheckStatus::Fail,
+            format!("{engine} does neither what is right nor what the case records: {}", new.words()),
+        ),
+        None if step.recurs() => (CheckStatus::Pass, "as recorded".to_owned()),
+        None => (CheckStatus::Pass, "the engine agrees".to_owned()),
     })
 }

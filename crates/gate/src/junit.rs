@@ -1,6 +1,6 @@
 //! The checks of a gate for other programs: JUnit XML, GitHub's annotations and step summary.
 
-use super::{Check, Verdict, summary};
+use super::{Check, CheckStatus, summary};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use rockproof_model::text::{excerpt, is_harmful, noun};
 use std::time::Duration;
@@ -37,15 +37,15 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
         }
         let mut suite = TestSuite::new(format!("rockproof.{group}"));
         for check in checks.iter().filter(|check| check.group == group) {
-            let mut status = match check.verdict {
-                Verdict::Pass => TestCaseStatus::success(),
-                Verdict::Fail => TestCaseStatus::non_success(NonSuccessKind::Failure),
-                Verdict::Skip => TestCaseStatus::skipped(),
+            let mut status = match check.status {
+                CheckStatus::Pass => TestCaseStatus::success(),
+                CheckStatus::Fail => TestCaseStatus::non_success(NonSuccessKind::Failure),
+                CheckStatus::Skip => TestCaseStatus::skipped(),
             };
-            if check.verdict != Verdict::Pass {
+            if check.status != CheckStatus::Pass {
                 status.set_message(on_a_line(&check.message));
             }
-            if check.verdict == Verdict::Fail {
+            if check.status == CheckStatus::Fail {
                 status.set_type("gate");
                 if let Some(case) = &check.case {
                     status.set_description(on_a_line(&format!("rockproof replay {}", case.display())));
@@ -74,7 +74,7 @@ pub fn annotations(checks: &[Check]) -> String {
     };
     let data = |text: &str| text.chars().map(escaped).collect::<String>();
     let property = |text: &str| data(text).replace(':', "%3A").replace(',', "%2C");
-    let failed = checks.iter().filter(|check| check.verdict == Verdict::Fail);
+    let failed = checks.iter().filter(|check| check.status == CheckStatus::Fail);
     let line = |check: &Check| {
         let (file, line) = &check.place;
         let (file, title) = (property(file), property(&format!("rockproof {}", check.group)));
@@ -94,12 +94,12 @@ pub fn markdown(checks: &[Check]) -> String {
     let special = |c: char| if "\\`*_{}[]<>&#|~".contains(c) { format!("\\{c}") } else { c.to_string() };
     let line = |text: &str| excerpt(&text.replace(['\n', '\r'], " "), LONGEST);
     let cell = |text: &str| line(text).chars().map(special).collect::<String>();
-    let failed = checks.iter().filter(|check| check.verdict == Verdict::Fail).count();
+    let failed = checks.iter().filter(|check| check.status == CheckStatus::Fail).count();
     let mut text = format!("## Rockproof gate: {}\n\n", if failed == 0 { "passed" } else { "failed" });
     text += "| verdict | check | found |\n| --- | --- | --- |\n";
-    for check in checks.iter().filter(|c| c.group != "corpus" || c.verdict != Verdict::Pass) {
-        text += &format!("| {} | {} | {} |\n", check.verdict.name(), cell(&check.name), cell(&check.message));
+    for check in checks.iter().filter(|c| c.group != "corpus" || c.status != CheckStatus::Pass) {
+        text += &format!("| {} | {} | {} |\n", check.status.name(), cell(&check.name), cell(&check.message));
     }
-    let corpus = checks.iter().filter(|c| c.group == "corpus" && c.verdict == Verdict::Pass).count();
+    let corpus = checks.iter().filter(|c| c.group == "corpus" && c.status == CheckStatus::Pass).count();
     text + &format!("\n{}; {corpus} {} of the corpus passed.\n", summary(checks), noun(corpus, "case", "cases"))
 }

@@ -2,7 +2,7 @@
 
 use super::config::Baseline;
 use super::tally::{CampaignTally, ClassCount};
-use super::{CONFIDENCE, Check, Verdict};
+use super::{CONFIDENCE, Check, CheckStatus};
 use rockproof_model::text::noun;
 use serde::Deserialize;
 use statrs::function::beta::checked_beta_reg;
@@ -92,7 +92,7 @@ impl KnownFindings {
         let has_failed = !checks.is_empty();
         if left_out > 0 {
             let message = format!("{left_out} sorts of finding about steps: the baseline was written without steps");
-            checks.push(unfailed(format!("{run}: baseline of steps"), message, Verdict::Skip, baseline));
+            checks.push(unfailed(format!("{run}: baseline of steps"), message, CheckStatus::Skip, baseline));
         }
         if !has_failed {
             let gone = self.known.keys().filter(|fingerprint| !now.known.contains_key(*fingerprint)).count();
@@ -101,7 +101,7 @@ impl KnownFindings {
                 "fixed" => format!("{known} known sorts of finding, {gone} of them gone, none new, none more often"),
                 _ => format!("{} sorts of finding, none more often than known", now.known.len()),
             };
-            checks.push(unfailed(format!("{run}: baseline"), message, Verdict::Pass, baseline));
+            checks.push(unfailed(format!("{run}: baseline"), message, CheckStatus::Pass, baseline));
         }
         checks
     }
@@ -130,16 +130,16 @@ fn is_of_step(fingerprint: &str) -> bool {
 }
 
 /// A check that does not fail.
-fn unfailed(name: String, message: String, verdict: Verdict, baseline: &Baseline) -> Check {
+fn unfailed(name: String, message: String, status: CheckStatus, baseline: &Baseline) -> Check {
     let place = (baseline.file.display().to_string(), 1);
-    Check { group: "baseline", name, message, verdict, place, rows: Vec::new(), seconds: 0.0, case: None }
+    Check { group: "baseline", name, message, status, place, rows: Vec::new(), seconds: 0.0, case: None }
 }
 
 fn failed(name: String, message: String, tally: &CampaignTally, baseline: &Baseline, fingerprint: &str) -> Check {
     let of = |at: &usize| tally.rows[*at].fingerprint(baseline) == *fingerprint;
     let place = (baseline.file.display().to_string(), 1);
     let rows = (0..tally.rows.len()).filter(of).collect();
-    Check { group: "baseline", name, message, verdict: Verdict::Fail, place, rows, seconds: 0.0, case: None }
+    Check { group: "baseline", name, message, status: CheckStatus::Fail, place, rows, seconds: 0.0, case: None }
 }
 
 /// A sort of finding then and now.

@@ -17,7 +17,7 @@ use tally::CampaignTally;
 
 /// How a check came out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum CheckStatus {
     /// As it should be.
     Pass,
     /// Not as it should be.
@@ -26,13 +26,13 @@ pub enum Verdict {
     Skip,
 }
 
-impl Verdict {
+impl CheckStatus {
     /// `pass`, `FAIL` or `skip`.
     pub fn name(self) -> &'static str {
         match self {
-            Verdict::Pass => "pass",
-            Verdict::Fail => "FAIL",
-            Verdict::Skip => "skip",
+            CheckStatus::Pass => "pass",
+            CheckStatus::Fail => "FAIL",
+            CheckStatus::Skip => "skip",
         }
     }
 }
@@ -47,7 +47,7 @@ pub struct Check {
     /// What was found, and what is allowed.
     pub message: String,
     /// How it came out.
-    pub verdict: Verdict,
+    pub status: CheckStatus,
     /// The file it is about, and the line in it.
     pub place: (String, usize),
     /// The rows of the tally it fails for.
@@ -98,17 +98,17 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
         };
         let rows = (0..tally.rows.len()).filter(|&at| failed && tally.rows[at].is_of(limit)).collect();
         let unreached = || limit_scope::without_cause(limit, config).or_else(|| tally.missing(limit));
-        let (verdict, message) = match unreached() {
-            _ if failed => (Verdict::Fail, message),
-            Some(why) => (Verdict::Skip, why),
-            None if limit.rate.is_some() && fails_from.is_none() => (Verdict::Skip, message),
-            None => (Verdict::Pass, message),
+        let (status, message) = match unreached() {
+            _ if failed => (CheckStatus::Fail, message),
+            Some(why) => (CheckStatus::Skip, why),
+            None if limit.rate.is_some() && fails_from.is_none() => (CheckStatus::Skip, message),
+            None => (CheckStatus::Pass, message),
         };
         Check {
             group: "limit",
             name: format!("{run}: {}", limit.text()),
             message,
-            verdict,
+            status,
             place,
             rows,
             seconds: 0.0,
@@ -120,12 +120,12 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
 
 /// A check that fails where all of the gate in `file` were skipped: nothing of the engines was checked, so the gate cannot pass.
 pub fn nothing_checked(checks: &[Check], file: &str) -> Option<Check> {
-    let all_skipped = !checks.is_empty() && checks.iter().all(|check| check.verdict == Verdict::Skip);
+    let all_skipped = !checks.is_empty() && checks.iter().all(|check| check.status == CheckStatus::Skip);
     all_skipped.then(|| Check {
         group: "gate",
         name: "the gate checks something".to_owned(),
         message: "every check was skipped, for the reasons given, so nothing was checked".to_owned(),
-        verdict: Verdict::Fail,
+        status: CheckStatus::Fail,
         place: (file.to_owned(), 1),
         rows: Vec::new(),
         seconds: 0.0,
@@ -135,8 +135,8 @@ pub fn nothing_checked(checks: &[Check], file: &str) -> Option<Check> {
 
 /// How many checks passed, were skipped and failed, in words.
 pub fn summary(checks: &[Check]) -> String {
-    let of = |verdict| checks.iter().filter(|check| check.verdict == verdict).count();
-    let [passed, skipped, failed] = [Verdict::Pass, Verdict::Skip, Verdict::Fail].map(of);
+    let of = |status| checks.iter().filter(|check| check.status == status).count();
+    let [passed, skipped, failed] = [CheckStatus::Pass, CheckStatus::Skip, CheckStatus::Fail].map(of);
     let none = if passed + failed == 0 && skipped > 0 { "; nothing was checked" } else { "" };
     format!("{passed} passed, {skipped} skipped, {failed} failed{none}")
 }
@@ -161,7 +161,7 @@ fn recovered<'x>(
             "{} of {} questions failed and were answered by a fresh process; no limit names them",
             row.recovered, row.asked
         ),
-        verdict: Verdict::Skip,
+        status: CheckStatus::Skip,
         place: (file.to_owned(), 1),
         rows: Vec::new(),
         seconds: 0.0,

@@ -214,8 +214,8 @@ pub(crate) fn check(
 
 /// The overlaps of all neighbouring pairs, and how many pairs these are.
 fn overlaps(blocks: &[&Block], set: &ToleranceSet, stop: &AtomicBool) -> (Vec<Overlap>, u64) {
-    let solids: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
-    let auditor = Auditor::new(&solids, set);
+    let prepared: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
+    let auditor = Auditor::new(&prepared, set);
     let audited = auditor.neighbours().into_par_iter();
     let audited: Option<Vec<_>> =
         audited.map(|pair| (!stop.load(Ordering::Relaxed)).then(|| auditor.pair(pair))).collect();

@@ -11,7 +11,9 @@ use rockproof_model::{Block, Contact, Number, Precision, ToleranceSet};
 use rockproof_oracle::rational::Rational;
 use rockproof_oracle::{Gap, Pair, PreparedBlock};
 use rockproof_stepper::Real;
-use rockproof_stepper::contact::{PreparedBlock as FloatSolid, SpecRules, Tolerances, classify as classify_in_floats};
+use rockproof_stepper::contact::{
+    PreparedBlock as PreparedFloatBlock, SpecRules, Tolerances, classify as classify_in_floats,
+};
 
 /// One contact of a pair: which feature of A touches which of B, and the plane through which the blocks enter one another.
 #[pyclass(frozen, name = "Contact", module = "rockproof", eq)]
@@ -171,42 +173,47 @@ pub(crate) fn classify(
     py.detach(|| {
         let blocks = [&a.0, &b.0];
         let set = set_for(&spec, &blocks, engine.precision())?;
-        let all = Solids::new(&blocks, &["a".to_owned(), "b".to_owned()], engine, &set)?;
+        let all = PreparedBlocks::new(&blocks, &["a".to_owned(), "b".to_owned()], engine, &set)?;
         Ok(all.contacts((0, 1), &set))
     })
 }
 
 /// Blocks prepared for an engine.
-pub(crate) enum Solids {
+pub(crate) enum PreparedBlocks {
     Exact(Vec<PreparedBlock>),
-    F64(Vec<FloatSolid<f64>>, Tolerances<f64>),
-    F32(Vec<FloatSolid<f32>>, Tolerances<f32>),
+    F64(Vec<PreparedFloatBlock<f64>>, Tolerances<f64>),
+    F32(Vec<PreparedFloatBlock<f32>>, Tolerances<f32>),
 }
 
-impl Solids {
+impl PreparedBlocks {
     /// Prepares blocks; `names` are what messages call them.
     ///
     /// # Errors
     /// `InputError` where a block does not survive rounding.
-    pub(crate) fn new(blocks: &[&Block], names: &[String], engine: Arithmetic, set: &ToleranceSet) -> PyResult<Solids> {
+    pub(crate) fn new(
+        blocks: &[&Block],
+        names: &[String],
+        engine: Arithmetic,
+        set: &ToleranceSet,
+    ) -> PyResult<PreparedBlocks> {
         Ok(match engine {
-            Arithmetic::Exact => Solids::Exact(blocks.iter().map(|block| PreparedBlock::new(block)).collect()),
-            Arithmetic::Float(Precision::F64) => Solids::F64(in_floats(blocks, names)?, rounded(set)?),
-            Arithmetic::Float(Precision::F32) => Solids::F32(in_floats(blocks, names)?, rounded(set)?),
+            Arithmetic::Exact => PreparedBlocks::Exact(blocks.iter().map(|block| PreparedBlock::new(block)).collect()),
+            Arithmetic::Float(Precision::F64) => PreparedBlocks::F64(in_floats(blocks, names)?, rounded(set)?),
+            Arithmetic::Float(Precision::F32) => PreparedBlocks::F32(in_floats(blocks, names)?, rounded(set)?),
         })
     }
 
     /// The contacts of a pair.
     pub(crate) fn contacts(&self, (a, b): (usize, usize), set: &ToleranceSet) -> Vec<PyContact> {
         match self {
-            Solids::Exact(solids) => {
-                let pair = Pair::new(&solids[a], &solids[b]);
+            PreparedBlocks::Exact(prepared) => {
+                let pair = Pair::new(&prepared[a], &prepared[b]);
                 let with_gap =
                     |contact: Contact| PyContact { contact, gap: ContactGap::Exact(pair.gap(&contact.entrance)) };
                 pair.classify(set).contacts.into_iter().map(with_gap).collect()
             }
-            Solids::F64(solids, tolerances) => of_floats(&solids[a], &solids[b], tolerances),
-            Solids::F32(solids, tolerances) => of_floats(&solids[a], &solids[b], tolerances),
+            PreparedBlocks::F64(prepared, tolerances) => of_floats(&prepared[a], &prepared[b], tolerances),
+            PreparedBlocks::F32(prepared, tolerances) => of_floats(&prepared[a], &prepared[b], tolerances),
         }
     }
 }
@@ -215,14 +222,18 @@ fn rounded<R: Real>(set: &ToleranceSet) -> PyResult<Tolerances<R>> {
     Tolerances::new(set).map_err(input_error)
 }
 
-fn in_floats<R: Real>(blocks: &[&Block], names: &[String]) -> PyResult<Vec<FloatSolid<R>>> {
-    let solid = |(block, name): (&&Block, &String)| {
-        FloatSolid::new(block).map_err(|error| input_error(format!("block {name}: {error}")))
+fn in_floats<R: Real>(blocks: &[&Block], names: &[String]) -> PyResult<Vec<PreparedFloatBlock<R>>> {
+    let prepare = |(block, name): (&&Block, &String)| {
+        PreparedFloatBlock::new(block).map_err(|error| input_error(format!("block {name}: {error}")))
     };
-    blocks.iter().zip(names).map(solid).collect()
+    blocks.iter().zip(names).map(prepare).collect()
 }
 
-fn of_floats<R: Real + Into<f64>>(a: &FloatSolid<R>, b: &FloatSolid<R>, tolerances: &Tolerances<R>) -> Vec<PyContact> {
+fn of_floats<R: Real + Into<f64>>(
+    a: &PreparedFloatBlock<R>,
+    b: &PreparedFloatBlock<R>,
+    tolerances: &Tolerances<R>,
+) -> Vec<PyContact> {
     let found = classify_in_floats::<R, SpecRules>(a, b, tolerances).into_iter();
     found.map(|found| PyContact { contact: found.contact, gap: ContactGap::Float(found.gap.into()) }).collect()
 }

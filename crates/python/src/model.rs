@@ -3,7 +3,7 @@
 use crate::InputError;
 use crate::arguments::{Arithmetic, input_error, load_options};
 use crate::block::PyBlock;
-use crate::contacts::{PairContacts, PyContact, Solids};
+use crate::contacts::{PairContacts, PreparedBlocks, PyContact};
 use crate::signals::interruptible;
 use crate::tolerances::{Tolerances, set_for, spec_of};
 use pyo3::exceptions::PyIndexError;
@@ -140,10 +140,10 @@ impl Model {
                 vec![(i, j)]
             }
         };
-        let solids = Solids::new(&blocks, &self.labels(), engine, &set).map_err(|error| self.at(error))?;
+        let prepared = PreparedBlocks::new(&blocks, &self.labels(), engine, &set).map_err(|error| self.at(error))?;
         let found: Option<Vec<_>> = pairs
             .into_par_iter()
-            .map(|pair| (!stop.load(Ordering::Relaxed)).then(|| (pair, solids.contacts(pair, &set))))
+            .map(|pair| (!stop.load(Ordering::Relaxed)).then(|| (pair, prepared.contacts(pair, &set))))
             .collect();
         // Where it was stopped the signal is raised instead.
         Ok(found.unwrap_or_default())

@@ -49,8 +49,8 @@ pub fn contacts(case: &Case) -> Vec<ViewedContact> {
     let list = |rows: &[ContactRow]| rows.iter().filter_map(ContactRow::contact).collect::<Vec<Contact>>();
     let (before, after) = (list(&case.about.expected), list(&case.about.found));
     let new = after.iter().filter(|c| !before.contains(c));
-    let solids = [PreparedBlock::new(&case.a), PreparedBlock::new(&case.b)];
-    let pair = Pair::new(&solids[0], &solids[1]);
+    let prepared = [PreparedBlock::new(&case.a), PreparedBlock::new(&case.b)];
+    let pair = Pair::new(&prepared[0], &prepared[1]);
     before
         .iter()
         .chain(new)

@@ -211,10 +211,10 @@ pub fn hold_lowest(scene: &mut Scene) -> ClusterSupport {
 
 /// The number of contacts of each pair in f64; none where the set or a block cannot be had in it.
 fn contacts(scene: &Scene, pairs: &[[usize; 2]], set: &ToleranceSet) -> Vec<([usize; 2], usize)> {
-    let solids: Vec<_> = scene.blocks.iter().map(|block| PreparedBlock::<f64>::new(&block.block).ok()).collect();
+    let prepared: Vec<_> = scene.blocks.iter().map(|block| PreparedBlock::<f64>::new(&block.block).ok()).collect();
     let tolerances = Tolerances::new(set).ok();
     let count = |&[i, j]: &[usize; 2]| {
-        let both = solids[i].as_ref().zip(solids[j].as_ref()).zip(tolerances.as_ref());
+        let both = prepared[i].as_ref().zip(prepared[j].as_ref()).zip(tolerances.as_ref());
         ([i, j], both.map_or(0, |((a, b), tolerances)| classify::<f64, SpecRules>(a, b, tolerances).len()))
     };
     pairs.par_iter().map(count).collect()

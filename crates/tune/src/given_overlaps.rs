@@ -25,7 +25,7 @@ impl Share {
 
 /// The pairs of a model that overlap. Which they are, and how deep, depends on no tolerance.
 pub(super) struct GivenOverlaps {
-    solids: Vec<PreparedBlock>,
+    prepared: Vec<PreparedBlock>,
     overlaps: Vec<GivenOverlap>,
 }
 
@@ -41,15 +41,15 @@ pub(super) struct GivenOverlap {
 impl GivenOverlaps {
     /// Makes blocks ready, and knows of no overlap.
     pub(super) fn none_of(blocks: &[&Block]) -> GivenOverlaps {
-        let solids = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
-        GivenOverlaps { solids, overlaps: Vec::new() }
+        let prepared = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
+        GivenOverlaps { prepared, overlaps: Vec::new() }
     }
 
     /// Finds those of a share of the pairs; `set` says only how far apart pairs are looked at, and blocks that overlap always are.
     pub(super) fn found(&self, blocks: &[&Block], set: &ToleranceSet, share: Share) -> Vec<GivenOverlap> {
         // As `check` has it: in f64 whatever the engine.
         let rounding = rounding_depth(blocks, Precision::F64);
-        let auditor = Auditor::new(&self.solids, set);
+        let auditor = Auditor::new(&self.prepared, set);
         let overlap = |pair: [usize; 2]| {
             let found = auditor.pair(pair).overlap?;
             let (depth_squared, is_rounding) = (found.depth_squared(), found.is_rounding(&rounding));
@@ -67,7 +67,7 @@ impl GivenOverlaps {
 
     /// How many blocks the model has.
     pub(super) fn blocks(&self) -> usize {
-        self.solids.len()
+        self.prepared.len()
     }
 
     /// Pairs of the model that overlap by more than rounding.
@@ -81,7 +81,7 @@ impl GivenOverlaps {
         let g = set.penetration.to_rational();
         let limit = &g * &g;
         let is_seen = |[a, b]: [usize; 2]| {
-            let contacts = Pair::new(&self.solids[a], &self.solids[b]).classify(set).contacts;
+            let contacts = Pair::new(&self.prepared[a], &self.prepared[b]).classify(set).contacts;
             contacts.iter().any(|contact| contact.gap.is_negative())
         };
         let is_lost = |overlap: &&GivenOverlap| {

@@ -75,7 +75,7 @@ impl PairChecker {
 mod tests {
     use super::*;
     use rockproof_campaign::families::{Family, RealNeighbours};
-    use rockproof_differential::attribution::examine;
+    use rockproof_differential::attribution::examine_pair;
     use rockproof_differential::builtin;
     use rockproof_differential::finding::Cause;
     use rockproof_differential::subject::{NamedSet, Subject};
@@ -91,7 +91,7 @@ mod tests {
                 let given = vec![NamedSet::same("set", &set)];
                 let (family, form) = (RealNeighbours::bundled().name().into(), "standing".into());
                 let subject = Subject { index: 0, family, form, a: a.clone(), b: b.clone(), sets: given };
-                let found = examine(&subject, &panel).findings;
+                let found = examine_pair(&subject, &panel).findings;
                 let changed = found.iter().filter(|finding| finding.cause == Cause::Tolerance).count();
                 let sets = CheckedSet::new(&set, precision).expect("no overflow");
                 let seen = PairChecker::new(a, b, precision).check(&sets, &*panel.engines[0]);

@@ -3,7 +3,7 @@
 use super::scripted::{Script, ScriptedAnswer, contact, cube, decision, scripted, subject};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::source;
-use rockproof_differential::attribution::{PairExamination, WantedFindings, examine, findings_wanted};
+use rockproof_differential::attribution::{PairExamination, WantedFindings, examine_pair, findings_wanted};
 use rockproof_differential::builtin;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{EngineFailure, WideAnswer};
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 
 fn run(script: &Script) -> PairExamination {
     // 0.1 is not an f32, so the oracle can tell the exact pair from the rounded one.
-    examine(&subject(5, cube(0.1, 1.0), cube(1.0, 1.0)), &scripted(script))
+    examine_pair(&subject(5, cube(0.1, 1.0), cube(1.0, 1.0)), &scripted(script))
 }
 
 fn found(script: &Script) -> Vec<(String, Cause, AnswerChange)> {
@@ -83,7 +83,7 @@ fn findings_that_are_wanted_are_found_as_among_all() {
     let of = |f: &Finding| (f.cause.name(), f.difference.change.name(), f.difference.kinds(), predicate(f));
     let (mut sought, mut left_out) = (BTreeSet::new(), 0);
     for subject in (0..24).flat_map(|number| source.batch(number)) {
-        let all = examine(&subject, &panel).findings;
+        let all = examine_pair(&subject, &panel).findings;
         for sort in all.iter().map(of).collect::<BTreeSet<_>>() {
             let (cause, change, kind, predicate) = &sort;
             let such = |findings: &[Finding]| findings.iter().filter(|f| of(f) == sort).cloned().collect::<Vec<_>>();
@@ -140,13 +140,13 @@ fn no_answer_is_a_verdict() {
 #[test]
 fn features_that_rounding_destroyed_are_counted_once_for_the_precision() {
     let tiny = subject(5, cube(1.0, 1e-9), cube(3.0, 1.0));
-    let findings = examine(&tiny, &scripted(&Script::unanimous(&[base()]))).findings;
+    let findings = examine_pair(&tiny, &scripted(&Script::unanimous(&[base()]))).findings;
     assert_eq!(findings.len(), 1);
     assert_eq!(findings[0].scope, FindingScope::Rounded(Precision::F32));
     assert_eq!((findings[0].cause, findings[0].difference.change), (Cause::Representation, AnswerChange::Collapsed));
     assert_eq!(findings[0].note.as_deref(), Some("edge 0 has no length in block A"));
     let huge = subject(5, cube(1.0, 1e300), cube(3.0, 1.0));
-    let findings = examine(&huge, &scripted(&Script::unanimous(&[base()]))).findings;
+    let findings = examine_pair(&huge, &scripted(&Script::unanimous(&[base()]))).findings;
     assert_eq!((findings[0].cause, findings[0].difference.change), (Cause::Representation, AnswerChange::Failure));
 }
 

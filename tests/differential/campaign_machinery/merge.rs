@@ -9,7 +9,7 @@ use rockproof_campaign::merge::Parts;
 use rockproof_campaign::part::{Machine, Part};
 use rockproof_campaign::run::{Campaign, Ending, RunError};
 use rockproof_campaign::source;
-use rockproof_differential::attribution::examine;
+use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::builtin;
 use rockproof_differential::finding::{Cause, Finding, Fingerprint};
 use rockproof_differential::subject::PairSource;
@@ -140,7 +140,7 @@ fn a_row_tells_the_fingerprint_of_its_finding() {
     let (source, panel) = (source::of(&config).expect("pairs"), builtin::panel(&config.engines, 4).expect("engines"));
     let mut sorts = BTreeSet::new();
     for subject in (0..42).flat_map(|number| source.batch(number)) {
-        for finding in examine(&subject, &panel).findings {
+        for finding in examine_pair(&subject, &panel).findings {
             sorts.insert(finding.fingerprint());
             // What is wrong with an external engine is told apart in another way.
             for finding in [Finding { cause: Cause::Engine, ..finding.clone() }, finding] {

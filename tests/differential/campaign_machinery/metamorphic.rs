@@ -2,7 +2,7 @@
 //! that an engine which is always right violates none.
 
 use super::scripted::{cube, subject};
-use rockproof_differential::attribution::{EnginePanel, examine};
+use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin::BuiltinOracle;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{Engine, EngineFailure, Oracle, Prepared, Trace, WideAnswer};
@@ -64,7 +64,7 @@ impl Prepared for UpsetPair {
 fn violations(upset: Option<AnswerChange>) -> Vec<(Cause, AnswerChange)> {
     let panel =
         EnginePanel { oracle: Box::new(BuiltinOracle), engines: vec![Box::new(Upset(upset))], metamorphic_every: 1 };
-    let examined = examine(&subject(0, cube(0.0, 1.0), cube(1.0, 1.0)), &panel);
+    let examined = examine_pair(&subject(0, cube(0.0, 1.0), cube(1.0, 1.0)), &panel);
     assert_eq!(examined.metamorphic_checks, 5);
     let engine = examined.findings.iter().filter(|f| f.scope.to_string() == "upset");
     let mut found: Vec<_> = engine.map(|f| (f.cause, f.difference.change)).collect();

@@ -3,7 +3,7 @@
 
 use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::engine::{
-    Engine, EngineFailure, ExactAnswer, ExactPair, ExactSolids, Levels, Oracle, Prepared, Trace, WideAnswer,
+    Engine, EngineFailure, ExactAnswer, ExactPair, ExactPrepared, Levels, Oracle, Prepared, Trace, WideAnswer,
 };
 use rockproof_differential::subject::{NamedSet, PairSource, Subject};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
@@ -99,13 +99,13 @@ impl ScriptedPair<'_> {
 }
 
 impl Oracle for ScriptedOracle {
-    fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactSolids + 'o> {
+    fn prepare<'o>(&'o self, a: &Block, b: &Block) -> Box<dyn ExactPrepared + 'o> {
         let rounded = a.is_exact_in(Precision::F32) && b.is_exact_in(Precision::F32);
         Box::new(ScriptedPair { script: &self.0, rounded })
     }
 }
 
-impl ExactSolids for ScriptedPair<'_> {
+impl ExactPrepared for ScriptedPair<'_> {
     fn pair(&self) -> Box<dyn ExactPair + '_> {
         Box::new(ScriptedPair { script: self.script, rounded: self.rounded })
     }
@@ -208,12 +208,12 @@ impl CountingSide {
 struct CountingPair<'p>(&'p CountingSide, Block);
 
 impl Oracle for CountingSide {
-    fn prepare<'o>(&'o self, a: &Block, _: &Block) -> Box<dyn ExactSolids + 'o> {
+    fn prepare<'o>(&'o self, a: &Block, _: &Block) -> Box<dyn ExactPrepared + 'o> {
         Box::new(CountingPair(self, a.clone()))
     }
 }
 
-impl ExactSolids for CountingPair<'_> {
+impl ExactPrepared for CountingPair<'_> {
     fn pair(&self) -> Box<dyn ExactPair + '_> {
         Box::new(CountingPair(self.0, self.1.clone()))
     }

@@ -1,7 +1,7 @@
 //! Hypotheses about the input: rounded, shortened as text, exchanged; and about the arithmetic that the whole is done in.
 
 use super::hypothesis::Hypothesis;
-use super::question::{PreparedQuestion, Solids};
+use super::question::{PreparedBlocks, PreparedQuestion};
 use crate::separation_state::ReportedState;
 use crate::transform::{ExactBlocks, Transform};
 use rockproof_model::{Block, Contact, Number, Precision, ToleranceSet, Vec3};
@@ -176,8 +176,8 @@ impl Input {
 }
 
 fn exact([a, b]: &[Block; 2], tolerances: &ToleranceSet) -> Vec<Contact> {
-    let solids = Solids::of(&[a.clone(), b.clone()]);
-    solids.pair().classify(tolerances).contacts
+    let prepared = PreparedBlocks::of(&[a.clone(), b.clone()]);
+    prepared.pair().classify(tolerances).contacts
 }
 
 fn changed(block: &Block, number: impl Fn(&Number) -> Option<Number>) -> Option<Block> {

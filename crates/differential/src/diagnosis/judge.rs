@@ -1,7 +1,7 @@
 //! Which hypotheses explain the answers of an engine.
 
 use super::hypothesis::{Hypothesis, all, fits};
-use super::question::{PreparedQuestion, Question, Reply, Solids};
+use super::question::{PreparedBlocks, PreparedQuestion, Question, Reply};
 use super::row::{DiagnosisRow, DiagnosisVerdict};
 use super::tolerances::probes;
 use crate::finding::FAR_FROM_TIE;
@@ -153,8 +153,8 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
 }
 
 fn judge(question: &Question, hypotheses: &[Box<dyn Hypothesis>]) -> Judged {
-    let solids = Solids::of(&question.blocks);
-    let asked = PreparedQuestion::new(question, &solids);
+    let prepared = PreparedBlocks::of(&question.blocks);
+    let asked = PreparedQuestion::new(question, &prepared);
     Judged {
         right: asked.is_right(),
         fits: hypotheses.iter().map(|hypothesis| fits(&**hypothesis, &asked)).collect(),
@@ -165,8 +165,8 @@ fn judge(question: &Question, hypotheses: &[Box<dyn Hypothesis>]) -> Judged {
 /// What right answers say against each hypothesis; 0 of those that are not `alive`, which nobody asks about.
 fn against(agreeing: &[Question], hypotheses: &[Box<dyn Hypothesis>], alive: &[usize]) -> Vec<Against> {
     let one = |question: &Question| -> Vec<(usize, bool)> {
-        let solids = Solids::of(&question.blocks);
-        let asked = PreparedQuestion::new(question, &solids);
+        let prepared = PreparedBlocks::of(&question.blocks);
+        let asked = PreparedQuestion::new(question, &prepared);
         let contradicted = alive.iter().filter(|&&number| fits(&*hypotheses[number], &asked) == Some(false));
         contradicted.map(|&number| (number, !is_excused(&*hypotheses[number], &asked))).collect()
     };
@@ -194,8 +194,8 @@ fn is_near(question: &Question, judged: &Judged, chosen: &[usize], hypotheses: &
     if known.is_empty() && judged.roundoffs <= FAR_FROM_TIE {
         return true;
     }
-    let solids = Solids::of(&question.blocks);
-    let asked = PreparedQuestion::new(question, &solids);
+    let prepared = PreparedBlocks::of(&question.blocks);
+    let asked = PreparedQuestion::new(question, &prepared);
     mistakes.into_iter().any(|number| is_excused(&*hypotheses[number], &asked))
 }
 
@@ -240,14 +240,14 @@ fn told_apart(
 ) -> Vec<usize> {
     let mut left = PROBES;
     for question in questions.iter().take(PROBED) {
-        let solids = Solids::of(&question.blocks);
+        let prepared = PreparedBlocks::of(&question.blocks);
         for tolerances in probes(&question.tolerances) {
             if alike.len() < 2 || left == 0 {
                 return alike;
             }
             let Ok(tolerances) = tolerances.rounded(question.precision) else { continue };
             let mut probe = Question { tolerances, ..(*question).clone() };
-            let asked = PreparedQuestion::new(&probe, &solids);
+            let asked = PreparedQuestion::new(&probe, &prepared);
             let foretold = |number: &usize| hypotheses[*number].contacts(&asked);
             let first = foretold(&alike[0]);
             if alike.iter().all(|number| foretold(number) == first) {
@@ -255,7 +255,7 @@ fn told_apart(
             }
             probe.reply = asking(&probe.blocks, &probe.tolerances);
             left -= 1;
-            let asked = PreparedQuestion::new(&probe, &solids);
+            let asked = PreparedQuestion::new(&probe, &prepared);
             let fit: Vec<usize> =
                 alike.iter().copied().filter(|&number| fits(&*hypotheses[number], &asked) == Some(true)).collect();
             if !fit.is_empty() {

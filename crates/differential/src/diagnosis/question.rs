@@ -43,14 +43,14 @@ pub struct Question {
 impl Question {
     /// Whether the engine is right; `None` where nothing exact stands against its answer.
     pub fn is_right(&self) -> Option<bool> {
-        let solids = Solids::of(&self.blocks);
-        PreparedQuestion::new(self, &solids).is_right()
+        let prepared = PreparedBlocks::of(&self.blocks);
+        PreparedQuestion::new(self, &prepared).is_right()
     }
 
     /// Whether the blocks have contacts.
     pub fn has_contacts(&self) -> bool {
-        let solids = Solids::of(&self.blocks);
-        !PreparedQuestion::new(self, &solids).exact().is_empty()
+        let prepared = PreparedBlocks::of(&self.blocks);
+        !PreparedQuestion::new(self, &prepared).exact().is_empty()
     }
 }
 
@@ -64,11 +64,11 @@ pub fn ask(engine: &dyn Engine, [a, b]: &[Block; 2], tolerances: &ToleranceSet) 
 }
 
 /// The blocks of a question inside the oracle.
-pub(super) struct Solids([PreparedBlock; 2]);
+pub(super) struct PreparedBlocks([PreparedBlock; 2]);
 
-impl Solids {
-    pub(super) fn of(blocks: &[Block; 2]) -> Solids {
-        Solids([PreparedBlock::new(&blocks[0]), PreparedBlock::new(&blocks[1])])
+impl PreparedBlocks {
+    pub(super) fn of(blocks: &[Block; 2]) -> PreparedBlocks {
+        PreparedBlocks([PreparedBlock::new(&blocks[0]), PreparedBlock::new(&blocks[1])])
     }
 
     pub(super) fn pair(&self) -> Pair<'_> {
@@ -84,8 +84,8 @@ pub(super) struct PreparedQuestion<'q> {
 }
 
 impl<'q> PreparedQuestion<'q> {
-    pub(super) fn new(question: &'q Question, solids: &'q Solids) -> PreparedQuestion<'q> {
-        PreparedQuestion { question, pair: solids.pair(), known: RefCell::default() }
+    pub(super) fn new(question: &'q Question, prepared: &'q PreparedBlocks) -> PreparedQuestion<'q> {
+        PreparedQuestion { question, pair: prepared.pair(), known: RefCell::default() }
     }
 
     /// The exact contacts under a tolerance set.

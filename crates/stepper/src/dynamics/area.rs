@@ -12,16 +12,16 @@ use rockproof_model::{Contact, EdgeId, Entrance, FaceId, VertexId};
 /// Gives the contacts of a pair their shares of the areas in which the pair's faces overlap.
 pub(super) fn share<R: Solve>(
     active: &mut [StepContact<R>],
-    solids: [&PreparedBlock<R>; 2],
+    prepared: [&PreparedBlock<R>; 2],
     joint: &Joint<R>,
     overlap_sine: R,
 ) {
     let joined: Vec<Option<[FaceId; 2]>> =
-        active.iter().map(|c| faces(solids, &c.contact, &c.plane, overlap_sine)).collect();
+        active.iter().map(|c| faces(prepared, &c.contact, &c.plane, overlap_sine)).collect();
     for (contact, both) in active.iter_mut().zip(&joined) {
         let Some(both) = both else { continue };
         let sharing = joined.iter().filter(|other| other.as_ref() == Some(both)).count();
-        let area = overlap(solids, *both, contact.plane.normal) / R::from_f64(sharing as f64);
+        let area = overlap(prepared, *both, contact.plane.normal) / R::from_f64(sharing as f64);
         contact.cohesive = joint.cohesion * area;
         contact.tensile_gap = joint.tension * area / joint.normal;
     }
@@ -36,9 +36,9 @@ pub(super) fn faces<R: Real>(
 ) -> Option<[FaceId; 2]> {
     // From B to A.
     let up = if plane.a_enters { plane.normal } else { -plane.normal };
-    let at_vertex = |solid: &PreparedBlock<R>, vertex: VertexId| solid.block().topology().vertex_faces(vertex).to_vec();
-    let at_edge = |solid: &PreparedBlock<R>, edge: EdgeId| {
-        let edge = solid.edge(edge).edge;
+    let at_vertex = |block: &PreparedBlock<R>, vertex: VertexId| block.block().topology().vertex_faces(vertex).to_vec();
+    let at_edge = |block: &PreparedBlock<R>, edge: EdgeId| {
+        let edge = block.edge(edge).edge;
         let mut both = vec![edge.left, edge.right];
         both.sort_unstable();
         both
@@ -53,19 +53,19 @@ pub(super) fn faces<R: Real>(
 
 /// The face whose normal is nearest to `towards`, if it is within the overlap angle of it. A tie takes the first.
 fn squarest<R: Real>(
-    solid: &PreparedBlock<R>,
+    block: &PreparedBlock<R>,
     faces: &[FaceId],
     towards: Vector<R>,
     overlap_sine: R,
 ) -> Option<FaceId> {
-    let cosine = |face: FaceId| solid.face(face).normal.dot(towards);
+    let cosine = |face: FaceId| block.face(face).normal.dot(towards);
     let mut best = *faces.first()?;
     for &face in &faces[1..] {
         if cosine(face) > cosine(best) {
             best = face;
         }
     }
-    let sine = solid.face(best).normal.cross(towards).length();
+    let sine = block.face(best).normal.cross(towards).length();
     (cosine(best) > R::ZERO && sine <= overlap_sine).then_some(best)
 }
 
@@ -76,9 +76,9 @@ fn squarest<R: Real>(
 pub(super) fn overlap<R: Real>([a, b]: [&PreparedBlock<R>; 2], [face_a, face_b]: [FaceId; 2], along: Vector<R>) -> R {
     let (x, y) = tangents(along);
     let origin = a.face(face_a).point;
-    let flat = |solid: &PreparedBlock<R>, face: FaceId| -> Vec<[R; 2]> {
-        let corners = solid.block().topology().face(face);
-        corners.iter().map(|&v| solid.vertex(v).at - origin).map(|p| [x.dot(p), y.dot(p)]).collect()
+    let flat = |block: &PreparedBlock<R>, face: FaceId| -> Vec<[R; 2]> {
+        let corners = block.block().topology().face(face);
+        corners.iter().map(|&v| block.vertex(v).at - origin).map(|p| [x.dot(p), y.dot(p)]).collect()
     };
     let (one, two) = (fan(&flat(a, face_a)), fan(&flat(b, face_b)));
     let pairs = one.iter().flat_map(|t| two.iter().map(move |u| (t, u)));

@@ -53,7 +53,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             block_systems
         };
         let mut all: Vec<BlockSystem<R>> =
-            (0..self.solids.len()).into_par_iter().with_min_len(BLOCKS_AT_ONCE).map(block).collect();
+            (0..self.prepared.len()).into_par_iter().with_min_len(BLOCKS_AT_ONCE).map(block).collect();
         let time = if settling { self.state.time } else { self.state.time + time_step };
         for (load, &at) in self.setup.loads.iter().zip(&self.state.load_points) {
             let pull = generalized(at - self.moments[load.block].centroid, load.force(time));

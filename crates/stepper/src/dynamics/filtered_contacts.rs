@@ -21,8 +21,8 @@ impl<M: StepRules> Dynamics<Wide, M> {
         if !self.state.blocks.iter().flat_map(|block| &block.vertices).all(is_f64) {
             return None;
         }
-        let fixed: Vec<bool> = (0..self.solids.len()).map(|block| self.is_fixed(block)).collect();
-        let pairs = self.neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances).0.to_vec();
+        let fixed: Vec<bool> = (0..self.prepared.len()).map(|block| self.is_fixed(block)).collect();
+        let pairs = self.neighbours.pairs(&self.prepared, &fixed, &self.setup.tolerances).0.to_vec();
         let (contacts, unsettled) = noted(|| count_unsettled(|| self.contacts_of::<LazyWide>(&pairs, set)))?;
         Some((contacts?, unsettled))
     }
@@ -30,7 +30,7 @@ impl<M: StepRules> Dynamics<Wide, M> {
     /// The contacts of these pairs, where the blocks are, in another scalar.
     fn contacts_of<R: Real>(&self, pairs: &[[u32; 2]], set: &ToleranceSet) -> Option<BlockContacts> {
         let tolerances = Tolerances::<R>::new(set).ok()?;
-        let solid = |(block, state): (_, &crate::dynamics::BlockState<Wide>)| {
+        let prepare = |(block, state): (_, &crate::dynamics::BlockState<Wide>)| {
             let scalar = |v: &Vector<Wide>| {
                 let [x, y, z] = v.components().map(|value| R::from_f64(value.nearest_f64()));
                 Vector::new(x, y, z)
@@ -38,11 +38,11 @@ impl<M: StepRules> Dynamics<Wide, M> {
             let points: Vec<Vector<R>> = state.vertices.iter().map(scalar).collect();
             PreparedBlock::unprepared(Clone::clone(block)).with_points(&points).ok()
         };
-        let solids: Vec<PreparedBlock<R>> =
-            self.setup.blocks.iter().zip(&self.state.blocks).map(solid).collect::<Option<_>>()?;
+        let prepared: Vec<PreparedBlock<R>> =
+            self.setup.blocks.iter().zip(&self.state.blocks).map(prepare).collect::<Option<_>>()?;
         let mut contacts = Vec::with_capacity(self.state.contacts.len());
         for &pair in pairs {
-            let [a, b] = pair.map(|block| &solids[block as usize]);
+            let [a, b] = pair.map(|block| &prepared[block as usize]);
             let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
             let kept: Vec<ContactKey> = old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key).collect();
             let found = classify_with_kept::<R, M>(a, b, &tolerances, &kept);

@@ -22,12 +22,12 @@ impl Neighbours {
     /// All pairs, ascending, that can be neighbours by SPEC section 4, but pairs of fixed blocks. May hold more.
     pub(super) fn pairs<R: Real>(
         &mut self,
-        solids: &[PreparedBlock<R>],
+        prepared: &[PreparedBlock<R>],
         fixed: &[bool],
         t: &Tolerances<R>,
     ) -> (&[[u32; 2]], &mut [NeighbourList]) {
         if !self.known {
-            self.find(solids, fixed, t.reach.to_f64());
+            self.find(prepared, fixed, t.reach.to_f64());
         }
         (&self.pairs, &mut self.watched)
     }
@@ -55,20 +55,20 @@ impl Neighbours {
         self.watched.fill(NeighbourList::default());
     }
 
-    fn find<R: Real>(&mut self, solids: &[PreparedBlock<R>], fixed: &[bool], reach: f64) {
+    fn find<R: Real>(&mut self, prepared: &[PreparedBlock<R>], fixed: &[bool], reach: f64) {
         // Each block of a pair may move by the margin. Rounding of the coordinates is far below the sixteenth that `reach` holds.
         let margin = reach;
-        let grown = |solid: &PreparedBlock<R>| {
+        let grown = |block: &PreparedBlock<R>| {
             let by = (reach + 2.0 * margin) / 2.0;
             let side = |x: R, by: f64| x.to_f64() + by;
-            let bounds = solid.bounds();
+            let bounds = block.bounds();
             let low = bounds.low.components().map(|x| side(x, -by));
             let high = bounds.high.components().map(|x| side(x, by));
             // What cancellation far from the origin could take.
             let slack = low.iter().chain(&high).fold(0.0, |most: f64, x| most.max(x.abs())) * 1e-7;
             Rectangle::from_corners(low.map(|x| x - slack), high.map(|x| x + slack))
         };
-        let boxes = solids.iter().enumerate().map(|(k, solid)| GeomWithData::new(grown(solid), k as u32));
+        let boxes = prepared.iter().enumerate().map(|(k, block)| GeomWithData::new(grown(block), k as u32));
         let tree: RTree<GeomWithData<Rectangle<[f64; 3]>, u32>> = RTree::bulk_load(boxes.collect());
         let before = std::mem::take(&mut self.pairs);
         for one in &tree {

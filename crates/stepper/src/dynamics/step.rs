@@ -35,7 +35,7 @@ use std::time::{Duration, Instant};
 pub struct Dynamics<R, M = SpecRules> {
     pub(super) setup: SceneSetup<R>,
     pub(super) state: State<R>,
-    pub(super) solids: Vec<PreparedBlock<R>>,
+    pub(super) prepared: Vec<PreparedBlock<R>>,
     pub(super) moments: Vec<Moments<R>>,
     pub(super) neighbours: Neighbours,
     pub(super) travel: BlockTravel,
@@ -57,7 +57,7 @@ impl<R: Clone, M> Clone for Dynamics<R, M> {
         Dynamics {
             setup: self.setup.clone(),
             state: self.state.clone(),
-            solids: self.solids.clone(),
+            prepared: self.prepared.clone(),
             moments: self.moments.clone(),
             neighbours: self.neighbours.clone(),
             travel: self.travel.clone(),
@@ -92,21 +92,21 @@ const PAIRS_AT_ONCE: usize = 256;
 
 /// What is known of blocks where they stand.
 struct PreparedBlocks<R> {
-    solids: Vec<PreparedBlock<R>>,
+    prepared: Vec<PreparedBlock<R>>,
     moments: Vec<Moments<R>>,
 }
 
 impl<R: Real> PreparedBlocks<R> {
     fn new(blocks: &[Block], states: &[BlockState<R>]) -> Result<PreparedBlocks<R>, SetupError> {
         let both = || blocks.iter().zip(states);
-        let solid = |(k, (block, state)): (usize, (&Block, &BlockState<R>))| {
+        let prepare = |(k, (block, state)): (usize, (&Block, &BlockState<R>))| {
             PreparedBlock::unprepared(block.clone())
                 .with_points(&state.vertices)
                 .map_err(|what| SetupError::Collapsed { block: k, what })
         };
         let moments = |(block, state): (&Block, &BlockState<R>)| Moments::of(block.topology(), &state.vertices);
         Ok(PreparedBlocks {
-            solids: both().enumerate().map(solid).collect::<Result<_, _>>()?,
+            prepared: both().enumerate().map(prepare).collect::<Result<_, _>>()?,
             moments: both().map(moments).collect(),
         })
     }
@@ -135,14 +135,14 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     pub(super) fn begin(scene: &Scene, set: &ToleranceSet) -> Result<Dynamics<R, M>, SetupError> {
         let setup = SceneSetup::new(scene, set)?;
         let state = setup.begin(scene)?;
-        let PreparedBlocks { solids, moments } = PreparedBlocks::new(&setup.blocks, &state.blocks)?;
+        let PreparedBlocks { prepared, moments } = PreparedBlocks::new(&setup.blocks, &state.blocks)?;
         let at = |moments: &Moments<R>| moments.centroid.components().map(Real::to_f64);
-        let travel = BlockTravel::of(solids.len());
+        let travel = BlockTravel::of(prepared.len());
         let layouts = Layouts::new(moments.iter().map(at).collect());
         Ok(Dynamics {
             setup,
             state,
-            solids,
+            prepared,
             moments,
             neighbours: Neighbours::default(),
             travel,
@@ -185,8 +185,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         if let Some(contact) = state.contacts.iter().position(|contact| !self.setup.has(contact)) {
             return Err(SetupError::NoSuchContact { contact });
         }
-        let PreparedBlocks { solids, moments } = PreparedBlocks::new(&self.setup.blocks, &state.blocks)?;
-        (self.state, self.solids, self.moments) = (state, solids, moments);
+        let PreparedBlocks { prepared, moments } = PreparedBlocks::new(&self.setup.blocks, &state.blocks)?;
+        (self.state, self.prepared, self.moments) = (state, prepared, moments);
         self.neighbours.forget();
         self.unchanged = Unchanged::NONE;
         Ok(())
@@ -280,14 +280,14 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let begun = Instant::now();
         let fixed: Vec<bool> = self.setup.bodies.iter().map(|body| body.motion.unknowns() == 0).collect();
         let mut neighbours = std::mem::take(&mut self.neighbours);
-        let (pairs, watched) = neighbours.pairs(&self.solids, &fixed, &self.setup.tolerances);
+        let (pairs, watched) = neighbours.pairs(&self.prepared, &fixed, &self.setup.tolerances);
         self.phases.rough += begun.elapsed();
         let begun = Instant::now();
         let margin = skin(self.setup.tolerances.search);
         // What other rules refuse is not known.
         let watches = self.skips.features && TypeId::of::<M>() == TypeId::of::<SpecRules>();
         let of_pair = |(&pair, watched): (&[u32; 2], &mut NeighbourList)| {
-            let [a, b] = pair.map(|block| &self.solids[block as usize]);
+            let [a, b] = pair.map(|block| &self.prepared[block as usize]);
             let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
             if self.skips.pairs && self.unchanged.has(pair) {
                 let contacts: Vec<Contact> = old.iter().map(|old| old.contact).collect();
@@ -321,12 +321,12 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         if contacts.is_empty() {
             return Vec::new();
         }
-        let solids = pair.map(|block| &self.solids[block as usize]);
+        let prepared = pair.map(|block| &self.prepared[block as usize]);
         let joint = *self.setup.joint(pair[0] as usize, pair[1] as usize);
         let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
         let memories = if M::transfers() { transfer::continued(contacts, old) } else { vec![None; contacts.len()] };
         let active = contacts.iter().zip(memories).map(|(contact, memory)| {
-            let plane = plane::<R, M>(solids[0], solids[1], &contact.entrance);
+            let plane = plane::<R, M>(prepared[0], prepared[1], &contact.entrance);
             let feet = [plane.p, plane.q];
             let (begins, anchors) = match memory {
                 None => (M::begins(plane.gap), feet),
@@ -357,7 +357,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         });
         let mut active: Vec<StepContact<R>> = active.collect();
         if joint.needs_area() {
-            area::share(&mut active, solids, &joint, self.setup.tolerances.overlap_sine);
+            area::share(&mut active, prepared, &joint, self.setup.tolerances.overlap_sine);
         }
         active
     }

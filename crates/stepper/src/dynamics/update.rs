@@ -46,19 +46,19 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
     /// prepared then.
     fn prepare_moved(&mut self, states: &[BlockState<R>], unmoved: &[bool]) -> Result<(), (usize, Collapsed)> {
         let (setup, skips) = (&self.setup, self.skips);
-        let prepare = |(block, solid): (usize, &mut PreparedBlock<R>)| {
+        let prepare = |(block, old): (usize, &mut PreparedBlock<R>)| {
             if setup.bodies[block].motion.unknowns() == 0 || skips.blocks && unmoved[block] {
                 return None;
             }
-            let before = std::mem::replace(solid, PreparedBlock::unprepared(setup.blocks[block].clone()));
+            let before = std::mem::replace(old, PreparedBlock::unprepared(setup.blocks[block].clone()));
             match before.with_points(&states[block].vertices) {
-                Ok(prepared) => *solid = prepared,
+                Ok(new) => *old = new,
                 Err(what) => return Some((block, what)),
             }
             None
         };
-        let solids = self.solids.par_iter_mut().enumerate().with_min_len(BLOCKS_AT_ONCE);
-        solids.filter_map(prepare).min_by_key(|(block, _)| *block).map_or(Ok(()), Err)
+        let prepared = self.prepared.par_iter_mut().enumerate().with_min_len(BLOCKS_AT_ONCE);
+        prepared.filter_map(prepare).min_by_key(|(block, _)| *block).map_or(Ok(()), Err)
     }
 
     /// A block as an accepted attempt leaves it.
@@ -101,7 +101,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         settling: bool,
     ) -> Result<StepReport, StepError> {
         let AcceptedAttempt { time_step, ended, retries, farthest } = accepted;
-        let blocks = || (0..self.solids.len()).into_par_iter().with_min_len(BLOCKS_AT_ONCE);
+        let blocks = || (0..self.prepared.len()).into_par_iter().with_min_len(BLOCKS_AT_ONCE);
         let kinematics = self.setup.control.kinematics;
         let motions: Vec<AffineMotion<R>> = blocks()
             .map(|block| AffineMotion::new(kinematics, self.moments[block].centroid, &ended.d[block]))

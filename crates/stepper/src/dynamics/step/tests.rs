@@ -30,8 +30,8 @@ fn a_step_that_collapses_a_block_leaves_all_as_before() {
     let mut dynamics = Dynamics::<f32>::new(&scene, &set).expect("a scene");
     let agrees =
         |dynamics: &Dynamics<f32>| {
-            dynamics.solids.iter().zip(&dynamics.state.blocks).all(|(solid, state)| {
-                solid.vertices().iter().map(|vertex| vertex.at).eq(state.vertices.iter().copied())
+            dynamics.prepared.iter().zip(&dynamics.state.blocks).all(|(block, state)| {
+                block.vertices().iter().map(|vertex| vertex.at).eq(state.vertices.iter().copied())
             })
         };
     dynamics.step().expect("below 1024 m nothing collapses");
