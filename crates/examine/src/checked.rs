@@ -93,10 +93,14 @@ impl CheckedModel {
             }
         }
         set.rounded(precision).map_err(|name| CheckError::Tolerance { name, precision })?;
-        let violations = tolerance_rules::check_scene(&set, &scene, precision);
-        let extents = Extents::of(&scene);
+        let (violations, (fall, (thin, extents))) = rayon::join(
+            || tolerance_rules::check_scene(&set, &scene, precision),
+            || {
+                let fall = || tolerance_rules::fall(&set, &scene);
+                rayon::join(fall, || (tolerance_rules::thin(&set, &scene.shapes()), Extents::of(&scene)))
+            },
+        );
         let notes = extents.unit_warning().into_iter().collect();
-        let (fall, thin) = (tolerance_rules::fall(&set, &scene), tolerance_rules::thin(&set, &scene.shapes()));
         Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, thin, notes, merging: None })
     }
 

@@ -2,26 +2,22 @@
 //!
 //! [`check`] knows blocks alone; [`check_scene`] also knows what they weigh and how stiff their joints are.
 
-// Longer than 400 lines: rule after rule with its reason and its remedy, as in the table of SPEC section 3.
-
+mod extremes;
 mod fall;
 mod largest;
 mod stiffness;
 mod thin;
 
+use extremes::Extremes;
 pub use fall::{Fall, fall};
 pub use stiffness::{check_scene, stiffness_slack};
 pub use thin::{Thin, thin};
 
 use crate::block::Block;
-use crate::lattice::Lattice;
 use crate::number::{Number, Precision};
 use crate::tolerance::{Criteria, LAMBDA_INVERSE, ToleranceSet};
-use crate::topology::{Edge, VertexId};
-use crate::vector::Vec3;
-use num_bigint::BigInt;
+use crate::topology::VertexId;
 use num_rational::BigRational;
-use num_traits::Signed;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -315,60 +311,7 @@ impl Violations {
     }
 }
 
-/// The lengths of a model that rules are about, exactly; lengths squared, in m².
-struct Extremes {
-    shortest_squared: BigRational,
-    shortest: LengthLocation,
-    longest_squared: BigRational,
-    longest: LengthLocation,
-    radius_squared: BigRational,
-    widest: LengthLocation,
-    largest_coordinate: BigRational,
-    furthest: LengthLocation,
-}
-
 impl Extremes {
-    fn of(blocks: &[&Block]) -> Option<Extremes> {
-        let (mut edges, mut radii, mut reach) = (Vec::new(), Vec::new(), Vec::new());
-        for (block, shape) in blocks.iter().enumerate() {
-            // A lattice of its own for every block: one for all could need the product of all denominators.
-            let lattice = Lattice::covering(shape.coordinates());
-            let (numerator, denominator) = lattice.units_per_metre();
-            let metres = BigRational::new(denominator, numerator);
-            let metres_squared = &metres * &metres;
-            let points: Vec<Vec3<BigInt>> = shape.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
-            let length = |edge: &Edge| points[edge.q.index()].minus(&points[edge.p.index()]).norm_squared();
-            let lengths = shape.topology().edges().iter().map(|e| (length(e), (e.p, e.q)));
-            let (shortest, longest) =
-                (lengths.clone().min()?, lengths.max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1)))?);
-            for (squared, ends) in [shortest, longest] {
-                edges.push((
-                    BigRational::from_integer(squared) * &metres_squared,
-                    LengthLocation { block, edge: Some(ends) },
-                ));
-            }
-            let place = LengthLocation { block, edge: None };
-            radii.push((radius_squared(shape, &points) * &metres_squared, place));
-            let largest = points.iter().flat_map(|p| p.components().map(|c| c.abs())).max()?;
-            reach.push((BigRational::from_integer(largest) * metres, place));
-        }
-        // The first of equals, so that the place named does not depend on chance.
-        let least = |all: &[(BigRational, LengthLocation)]| all.iter().min_by(|a, b| a.0.cmp(&b.0)).cloned();
-        let greatest = |all: &[(BigRational, LengthLocation)]| all.iter().rev().max_by(|a, b| a.0.cmp(&b.0)).cloned();
-        let ((shortest_squared, shortest), (longest_squared, longest)) = (least(&edges)?, greatest(&edges)?);
-        let ((radius_squared, widest), (largest_coordinate, furthest)) = (greatest(&radii)?, greatest(&reach)?);
-        Some(Extremes {
-            shortest_squared,
-            shortest,
-            longest_squared,
-            longest,
-            radius_squared,
-            widest,
-            largest_coordinate,
-            furthest,
-        })
-    }
-
     fn check(&self, set: &ToleranceSet, precision: Precision, violations: &mut Violations) {
         let squared = |n: &Number| {
             let value = n.to_rational();
@@ -446,21 +389,5 @@ impl Extremes {
             let (found, allowed) = (swelling, near(&twice));
             violations.found.push(Violation { rule: Rule::Rotation, found, allowed, place: Some(self.widest), remedy });
         }
-    }
-}
-
-/// Largest squared distance of a vertex from the centroid, in lattice units.
-fn radius_squared(block: &Block, points: &[Vec3<BigInt>]) -> BigRational {
-    let moments = block.moments(points);
-    let weight = &moments.six_volumes * BigInt::from(4);
-    let furthest = points
-        .iter()
-        .map(|p| p.minus(&points[0]).scaled(&weight).minus(&moments.sum).norm_squared())
-        .max()
-        .unwrap_or_default();
-    if weight.is_positive() {
-        BigRational::new(furthest, &weight * &weight)
-    } else {
-        BigRational::from_integer(furthest)
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::number::Number;
 
-/// A value within so much of itself of the exact one.
-const DOUBT: f64 = 64.0 * f64::EPSILON;
+/// A value within so much of itself of the exact one: sixteen roundoffs.
+const DOUBT: f64 = 8.0 * f64::EPSILON;
 
 /// A factor above zero, or NaN where products and quotients of such factors might overflow or underflow.
 pub(super) fn factor(value: f64) -> f64 {
@@ -18,13 +18,20 @@ pub(super) fn signed_factor(number: &Number) -> f64 {
     if is_known { value } else { f64::NAN }
 }
 
-/// The places of the values that may be the largest, where each is within 64 roundoffs of itself of the exact one: quotients and
+/// The places of the values that may be the largest, where each is within sixteen roundoffs of itself of the exact one: quotients and
 /// products of few [`factor`]s are. **Of equal ones all**; of NaN nothing is known.
 pub(super) fn may_be_largest(values: &[f64]) -> impl Iterator<Item = usize> {
     let most = values.iter().copied().fold(0.0, f64::max);
-    let limit = most * (1.0 - 4.0 * DOUBT);
-    let may_be = move |value: f64| value.is_nan() || value >= limit;
-    values.iter().enumerate().filter(move |&(_, &value)| may_be(value)).map(|(place, _)| place)
+    // Both may be wrong by `DOUBT`; half as much again makes up for rounding here.
+    let limit = most * (1.0 - 2.5 * DOUBT);
+    values.iter().enumerate().filter(move |&(_, &value)| value.is_nan() || value >= limit).map(|(place, _)| place)
+}
+
+/// The places of the values that may be the least, as [`may_be_largest`].
+pub(super) fn may_be_least(values: &[f64]) -> impl Iterator<Item = usize> {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let limit = least * (1.0 + 2.5 * DOUBT);
+    values.iter().enumerate().filter(move |&(_, &value)| value.is_nan() || value <= limit).map(|(place, _)| place)
 }
 
 /// The places of the sums that may be the least or the greatest, each given by three terms that are products of two
@@ -57,6 +64,9 @@ mod tests {
         assert_eq!(places(&[1.0, 0.5, last, 1.0 - 1e-9, 1.0]), [0, 2, 4]);
         assert_eq!(places(&[0.25, f64::NAN, 2.0]), [1, 2]);
         assert_eq!(places(&[f64::NAN, f64::NAN]), [0, 1]);
+        assert!(places(&[]).is_empty());
+        let places = |values: &[f64]| may_be_least(values).collect::<Vec<_>>();
+        assert_eq!(places(&[1.0, 2.0, last, 1.0 + 1e-9, f64::NAN, 1.0]), [0, 2, 4, 5]);
         assert!(places(&[]).is_empty());
         assert!(factor(2.5) == 2.5 && [0.0, -1.0, 1e-61, 1e61, f64::INFINITY].iter().all(|&v| factor(v).is_nan()));
     }

@@ -12,6 +12,7 @@ mod moments;
 mod names;
 mod presets;
 mod rounding;
+mod rule_places;
 mod scenes;
 mod sines;
 mod tolerance_rules;
