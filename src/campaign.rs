@@ -371,5 +371,5 @@ pub(crate) fn diagnosed(
     }
     let doing = "asked again to see what is wrong";
     let most = (engines * diagnosis::DIFFERING) as u64;
-    Ok(counted_while(most, doing, |done| campaign.diagnose(journal, stop, done))?)
+    Ok(counted_while((most, "pairs"), doing, |done| campaign.diagnose(journal, stop, done))?)
 }

@@ -115,7 +115,7 @@ impl Classify {
         let audited = !matches!(self.format, OutputFormat::Csv);
         let overlaps = audited.then(|| overlaps(&blocks, &tolerances, Some(&pairs)));
         let mut rows = Vec::new();
-        counted_while(pairs.len() as u64, "classified", |done| {
+        counted_while((pairs.len() as u64, "pairs"), "classified", |done| {
             let found = classifier.all(&pairs, done, audited);
             match self.format {
                 OutputFormat::Table => write_table(&mut rows, found, pairs.len()),

@@ -21,17 +21,17 @@ pub(crate) fn shown_while<T>(pairs: u64, seen: Arc<ProgressCounts>, work: impl F
         let findings = grouped(seen.findings.load(Ordering::Relaxed));
         (seen.pairs.load(Ordering::Relaxed), format!("{findings} findings{shrinking}"))
     };
-    progress(pairs, &now).shown_while(work)
+    progress((pairs, "pairs"), &now).shown_while(work)
 }
 
-/// Shows how many of so many pairs `work` has counted, and what it does with them, until it ends, and gives what it gives.
-pub(crate) fn counted_while<T>(pairs: u64, doing: &str, work: impl FnOnce(&AtomicU64) -> T) -> T {
+/// Shows how many of so many `work` has counted, of what, and what it does with them, until it ends, and gives what it gives.
+pub(crate) fn counted_while<T>(all: (u64, &'static str), doing: &str, work: impl FnOnce(&AtomicU64) -> T) -> T {
     let done = AtomicU64::new(0);
-    progress(pairs, &|| (done.load(Ordering::Relaxed), doing.to_owned())).shown_while(|| work(&done))
+    progress(all, &|| (done.load(Ordering::Relaxed), doing.to_owned())).shown_while(|| work(&done))
 }
 
-fn progress(pairs: u64, now: &(dyn Fn() -> (u64, String) + Sync)) -> Progress<'_> {
-    Progress { pairs, now, has_bar: shows_progress(), line: print_note, lines_every: LINES }
+fn progress<'n>(all: (u64, &'static str), now: &'n (dyn Fn() -> (u64, String) + Sync)) -> Progress<'n> {
+    Progress { all, now, has_bar: shows_progress(), line: print_note, lines_every: LINES }
 }
 
 /// The overlaps of all neighbouring pairs, or of some, measured where they may be more than rounding, with progress.

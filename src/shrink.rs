@@ -4,6 +4,7 @@ use crate::exit::{ExitStatus, Outcome, print};
 use crate::input::EngineArgs;
 use crate::input_file::InputFile;
 use crate::output_file::OverwriteArgs;
+use crate::progress::counted_while;
 use anyhow::Context;
 use rockproof_campaign::shrink::Shrinker;
 use rockproof_campaign::steps;
@@ -64,7 +65,9 @@ impl Shrink {
             anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");
         }
         let before = size(&case);
-        let small = Shrinker::new(&panel, self.evaluations).shrink(case);
+        let small = counted_while((self.evaluations, "pairs at most"), "shrinking", |examined| {
+            Shrinker::new(&panel, self.evaluations).counted(examined).shrink(case)
+        });
         panel.check_shortage()?;
         write_atomically(out, small.to_toml()?).with_context(|| out.display().to_string())?;
         print(&format!("before: {before}\nafter:  {}\nwritten to {}\n", size(&small), out.display()))?;
@@ -75,7 +78,10 @@ impl Shrink {
     fn shrink_step(&self, text: &str, out: &Path) -> Outcome {
         let file = || self.case.path().display().to_string();
         let case = StepCase::parse(text).with_context(file)?;
-        let small = steps::shrink::shrink(&case, self.evaluations / STEP_EVALUATIONS).with_context(file)?;
+        let most = self.evaluations / STEP_EVALUATIONS;
+        let small =
+            counted_while((most, "steps at most"), "shrinking", |made| steps::shrink::shrink(&case, most, made))
+                .with_context(file)?;
         write_atomically(out, small.text()?).with_context(|| out.display().to_string())?;
         let [before, after] = [step_size(&case)?, step_size(&small)?];
         print(&format!("before: {before}\nafter:  {after}\nwritten to {}\n", out.display()))?;

@@ -71,10 +71,11 @@ pub(crate) fn unprotected(dir: &Path) -> String {
     format!("{}: this file system has no locks, so nothing keeps a second process out of this directory", dir.display())
 }
 
-/// Progress through so many pairs: a bar, or a line now and then; from the first pair on.
+/// Progress through so many pairs or the like: a bar, or a line now and then; from the first one on.
 pub(crate) struct Progress<'n> {
-    pub(crate) pairs: u64,
-    /// Pairs done, and what else there is to say.
+    /// How many there are, and of what.
+    pub(crate) all: (u64, &'static str),
+    /// How many are done, and what else there is to say.
     pub(crate) now: &'n (dyn Fn() -> (u64, String) + Sync),
     /// Whether there is a bar.
     pub(crate) has_bar: bool,
@@ -104,8 +105,9 @@ impl Progress<'_> {
     }
 
     fn bar(&self) -> ProgressBar {
-        let bar = ProgressBar::new(self.pairs);
-        if let Ok(style) = ProgressStyle::with_template("{bar:40} {done}/{all} pairs, {msg}") {
+        let (count, what) = self.all;
+        let bar = ProgressBar::new(count);
+        if let Ok(style) = ProgressStyle::with_template(&format!("{{bar:40}} {{done}}/{{all}} {what}, {{msg}}")) {
             bar.set_style(in_groups(style));
         }
         // What an earlier session did says nothing of how fast this one is.
@@ -129,7 +131,8 @@ impl Progress<'_> {
                 }
                 None if last.elapsed() > self.lines_every => {
                     last = Instant::now();
-                    (self.line)(&format!("{} of {} pairs, {message}", grouped(done), grouped(self.pairs)));
+                    let (count, what) = self.all;
+                    (self.line)(&format!("{} of {} {what}, {message}", grouped(done), grouped(count)));
                 }
                 None => {}
             }

@@ -81,7 +81,7 @@ impl Run {
             (seen.pairs.load(Ordering::Relaxed), format!("{disagreements} disagreements"))
         };
         let progress = Progress {
-            pairs: share.end - share.start,
+            all: (share.end - share.start, "pairs"),
             now: &now,
             has_bar: stderr().is_terminal(),
             line: note,

@@ -22,5 +22,6 @@ mod lockstep;
 mod lockstep_table;
 mod passages;
 mod planted_step_mistakes;
+mod shrunk_cases;
 mod state_files;
 mod tune_ranks;

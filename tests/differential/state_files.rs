@@ -6,6 +6,7 @@ use rockproof_model::Scene;
 use rockproof_model::scene::SceneFormat;
 use serde_json::{Value, json};
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The second step of a box on an incline, whose four vertices are in contact with it.
 const SLIDER: &str = include_str!("../../fuzz/corpus/state/step_000002.json");
@@ -87,7 +88,9 @@ fn a_state_file_is_made_smaller_while_its_step_shows_the_same() {
     let step = ReplayedStep::of(&big).expect("it is made");
     let words: Vec<String> = step.differences().iter().map(|one| one.words().to_owned()).collect();
     assert_eq!(words, ["step-length unseen blocks 0-1: none → unseen"]);
-    let small = shrink(&big, 40).expect("it is shown");
+    let made = AtomicU64::new(0);
+    let small = shrink(&big, 40, &made).expect("it is shown");
+    assert!((4..=40).contains(&made.load(Ordering::Relaxed)), "{made:?} steps were made");
     let (scene, _) = small.scene().expect("a scene");
     assert_eq!((small.step, scene.blocks.len()), (1, 2), "the block that is not needed is gone, and the steps before");
     let simulation = &scene.simulation;
@@ -95,8 +98,8 @@ fn a_state_file_is_made_smaller_while_its_step_shows_the_same() {
     let again = ReplayedStep::of(&small).expect("it is made");
     assert!(again.is_expected(&small) && again.missing(&small).is_none() && again.differences().len() == 1);
     // With one step to make nothing can be tried.
-    assert_eq!(shrink(&big, 1).expect("it is shown").scene().expect("a scene").0.blocks.len(), 3);
+    assert_eq!(shrink(&big, 1, &made).expect("it is shown").scene().expect("a scene").0.blocks.len(), 3);
     big.differences = vec!["step-length passage blocks 0-1: none → passage".to_owned()];
-    let error = shrink(&big, 40).expect_err("it shows something else").to_string();
+    let error = shrink(&big, 40, &made).expect_err("it shows something else").to_string();
     assert!(error.contains("shows none of the differences that the file records (step-length passage"), "{error}");
 }

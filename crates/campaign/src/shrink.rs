@@ -12,11 +12,13 @@ use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::{FAR_FROM_TIE, Finding};
 use rockproof_model::{Criteria, Number};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Makes cases smaller.
 pub struct Shrinker<'p> {
     panel: &'p EnginePanel,
     left: u64,
+    examined: Option<&'p AtomicU64>,
     /// The margin in roundoffs that the finding must keep, so that one far from any tie stays one.
     least: f64,
     refusals: Refusals,
@@ -26,7 +28,13 @@ impl<'p> Shrinker<'p> {
     /// A shrinker that may examine `evaluations` pairs. The panel should hold no engine the case is not about, and ask
     /// for metamorphic checks only where the case is about one.
     pub fn new(panel: &'p EnginePanel, evaluations: u64) -> Shrinker<'p> {
-        Shrinker { panel, left: evaluations, least: 0.0, refusals: Refusals::default() }
+        Shrinker { panel, left: evaluations, examined: None, least: 0.0, refusals: Refusals::default() }
+    }
+
+    /// Counts in `examined` the pairs that are examined, for whoever waits.
+    #[must_use]
+    pub fn counted(self, examined: &'p AtomicU64) -> Shrinker<'p> {
+        Shrinker { examined: Some(examined), ..self }
     }
 
     /// The smallest case found. A case that does not show its finding is returned as it is.
@@ -52,7 +60,11 @@ impl<'p> Shrinker<'p> {
 
     fn reproduces(&mut self, case: &Case) -> Option<Finding> {
         self.left = self.left.checked_sub(1)?;
-        self.finding_of(case)
+        let finding = self.finding_of(case);
+        if let Some(examined) = self.examined {
+            examined.fetch_add(1, Ordering::Relaxed);
+        }
+        finding
     }
 
     fn finding_of(&self, case: &Case) -> Option<Finding> {

@@ -14,6 +14,7 @@ use rockproof_simulate::identity::with_tolerances;
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Solve, State};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Why a state file cannot be made smaller.
 #[derive(Debug, thiserror::Error)]
@@ -32,23 +33,27 @@ pub enum StepShrinkError {
 }
 
 /// The smallest case found of the first passage or unseen overlap that a state file records and its step shows, else of the first other difference;
-/// at most so many steps are made.
+/// at most so many steps are made, and `made` counts them.
 ///
 /// # Errors
 /// When the step cannot be made, or shows nothing that the file records.
-pub fn shrink(case: &StepCase, steps: u64) -> Result<StepCase, StepShrinkError> {
+pub fn shrink(case: &StepCase, steps: u64, made: &AtomicU64) -> Result<StepCase, StepShrinkError> {
     let precision = case.precision().map_err(ReplayError::from)?;
     match precision {
-        Precision::F32 => shrunk::<f32>(case, precision, steps),
-        Precision::F64 => shrunk::<f64>(case, precision, steps),
+        Precision::F32 => shrunk::<f32>(case, precision, (steps, made)),
+        Precision::F64 => shrunk::<f64>(case, precision, (steps, made)),
     }
 }
 
-fn shrunk<R: Solve>(case: &StepCase, precision: Precision, steps: u64) -> Result<StepCase, StepShrinkError> {
+fn shrunk<R: Solve>(
+    case: &StepCase,
+    precision: Precision,
+    (steps, made): (u64, &AtomicU64),
+) -> Result<StepCase, StepShrinkError> {
     let (scene, set) = case.scene().map_err(ReplayError::from)?;
     let state = case.state.state::<R>().map_err(ReplayError::from)?;
     let watches = case.expected.intrusions.is_some();
-    let mut shrinker = StepShrinker { set, precision, watches, wanted: String::new(), left: steps.max(1) };
+    let mut shrinker = StepShrinker { set, precision, watches, wanted: String::new(), left: steps.max(1), made };
     let not_shown = || StepShrinkError::NotShown(case.differences.join("; "));
     let first = shrinker.made(&scene, Some(&state)).ok_or_else(not_shown)?;
     let is_recorded =
@@ -72,7 +77,7 @@ struct MadeStep<R> {
 }
 
 /// Makes one step smaller.
-struct StepShrinker {
+struct StepShrinker<'m> {
     set: ToleranceSet,
     precision: Precision,
     /// Whether passages and unseen overlaps are looked for.
@@ -80,11 +85,14 @@ struct StepShrinker {
     /// The difference to be shown, in the words of a campaign's case.
     wanted: String,
     left: u64,
+    /// Counts the steps that are made.
+    made: &'m AtomicU64,
 }
 
-impl StepShrinker {
+impl StepShrinker<'_> {
     fn made<R: Solve>(&mut self, scene: &Scene, state: Option<&State<R>>) -> Option<MadeStep<R>> {
         self.left = self.left.checked_sub(1)?;
+        self.made.fetch_add(1, Ordering::Relaxed);
         let has_all =
             |block: &Block| block.rounded(self.precision).is_some_and(|block| collapsed_feature(&block).is_none());
         if !scene.shapes().into_iter().all(has_all) {
