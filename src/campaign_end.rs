@@ -11,7 +11,7 @@ use rockproof_campaign::steps::StepSummary;
 use rockproof_campaign::steps::summary::StepCounts;
 use rockproof_differential::diagnosis::diagnosis_lines;
 use rockproof_differential::external::EngineSpec;
-use rockproof_differential::external::spec::quoted;
+use rockproof_differential::external::spec::{quoted, replay_command};
 use rockproof_differential::finding::Cause;
 use rockproof_report::load::{CampaignRun, Results};
 use rockproof_report::step_tally::WorstStep;
@@ -226,18 +226,17 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
 /// The commands that go on from here.
 fn next(dir: &Path, campaign: Option<&CampaignRun>, external: &[EngineSpec]) -> String {
     let mut out = format!("next: rockproof report {}\n", quoted(&dir.display().to_string()));
-    let mut replay = |case: &str, engine: &str| {
-        out += &format!("      rockproof replay {}{engine}\n", quoted(&dir.join(case).display().to_string()));
+    let mut replay = |case: &str, engine: Option<&EngineSpec>| {
+        out += &format!("      {}\n", replay_command(&dir.join(case), engine));
     };
     let pair = campaign.and_then(|campaign| campaign.tally.worst_of_all());
     if let Some(worst) = pair {
-        let engine = external.iter().find(|spec| spec.name == worst.engine).map(EngineSpec::argument);
-        replay(&worst.case, &engine.map_or(String::new(), |text| format!(" --engine-command {text}")));
+        replay(&worst.case, external.iter().find(|spec| spec.name == worst.engine));
     }
     // Differences of steps that are neither passages nor mistakes come with those of contacts.
     let step = campaign.and_then(worst_step);
     if let Some(worst) = step.filter(|worst| pair.is_none() || worst.is_serious()) {
-        replay(&worst.case, "");
+        replay(&worst.case, None);
     }
     out
 }

@@ -16,6 +16,7 @@ use rockproof_campaign::source::{self, FamilySource};
 use rockproof_campaign::steps::{self, StepFinding, StepFindingRow};
 use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::case_file::Case;
+use rockproof_differential::external::spec::replay_command;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::PairSource;
 use rockproof_gate::answers::{self, Answers};
@@ -28,10 +29,11 @@ use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_report::load::Results;
 use rockproof_report::step_verdict::step_line;
 use rockproof_report::verdict::VerdictLine;
-use rockproof_results::{Owner, Start, write_atomically};
+use rockproof_results::{Claim, Directory, Owner, Start, write_atomically};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
+use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -94,6 +96,13 @@ impl Gate {
     pub(crate) fn run(&self) -> Outcome {
         if let Some(junit) = &self.junit {
             allow_ours(junit, "JUnit report of a gate", junit::is_ours)?;
+            // Whatever comes of this gate, a report that is left of an earlier one would be taken for its own.
+            match fs::remove_file(junit) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                    return Err(error).with_context(|| junit.display().to_string());
+                }
+                _ => {}
+            }
         }
         let file = self.file.display().to_string();
         let text = read_text(&self.file).with_context(|| file.clone())?;
@@ -117,6 +126,9 @@ impl Gate {
         self.refuse_inputs(&config)?;
         end_on_ctrl_c()?;
         engines.probe().with_context(|| file.clone())?;
+        // The campaigns have directories of their own in it; this says to other commands whose it is.
+        let claim = Claim { dir: &self.out, owner: Owner::Gate, start: Start::Overwrite, files: &[] };
+        let _claimed = Directory::claim(claim)?;
         let mut checks = corpus::checks(&config.corpus, &engines)?;
         let in_corpus = corpus::engines_of(&config.corpus)?;
         let rotating = self.rotating(&config)?;
@@ -247,8 +259,13 @@ fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
     }
 }
 
-/// A case file: its name and what it holds.
-type CaseFile = (String, Vec<u8>);
+/// A case file.
+struct CaseFile {
+    name: String,
+    bytes: Vec<u8>,
+    /// The name of the engine that it is about.
+    engine: String,
+}
 
 impl Gating<'_> {
     fn campaign(
@@ -283,7 +300,8 @@ impl Gating<'_> {
         }
         let file = self.gate.file.display().to_string();
         let mut checks = rockproof_gate::limits(&self.config, (&file, &self.text), name, &tally);
-        checks.extend(answers::checks(&self.config, &file, name, &tally, &self.in_corpus));
+        let answers = answers::checks(&self.config, (&file, name), &tally, &checks, &self.in_corpus);
+        checks.extend(answers);
         for spec in &self.config.campaign.external {
             let (sum, of) = (self.answers.entry(spec.name.clone()).or_default(), tally.answers(&spec.name));
             *sum = Answers { answered: sum.answered + of.answered, asked: sum.asked + of.asked };
@@ -304,7 +322,7 @@ impl Gating<'_> {
                 let case = self.case_of(&source, &config, &tally.rows[row])?;
                 // Else what the engines were asked for the case is worth nothing.
                 self.engines.check_shortage()?;
-                check.case = case.map(|case| self.write(&mut journal, case)).transpose()?;
+                check.replay = case.map(|case| self.write(&mut journal, case)).transpose()?;
             }
         }
         Ok(checks)
@@ -333,7 +351,8 @@ impl Gating<'_> {
         let Some(case) = Case::of(&finding, subject, config.seed, &panel) else { return Ok(None) };
         let case = Shrinker::new(&panel, config.shrink_evaluations).shrink(case);
         let stem = finding.fingerprint().file_stem(&finding.set, finding.index);
-        Ok(Some((format!("{stem}.toml"), case.to_toml()?.into_bytes())))
+        let bytes = case.to_toml()?.into_bytes();
+        Ok(Some(CaseFile { name: format!("{stem}.toml"), bytes, engine: case.about.engine }))
     }
 
     /// The case of a row about a step.
@@ -352,15 +371,16 @@ impl Gating<'_> {
         let Some(case) = steps::case::of(&finding, &subject, &motion, &steppers, config.shrink_evaluations) else {
             return Ok(None);
         };
-        Ok(Some((row.file_name(), case.text()?)))
+        Ok(Some(CaseFile { name: row.file_name(), bytes: case.text()?, engine: case.engine }))
     }
 
-    /// Writes a case, and says where it is.
-    fn write(&mut self, journal: &mut Journal, (name, bytes): CaseFile) -> anyhow::Result<PathBuf> {
-        let file = journal.dir().join("cases").join(&name);
-        print_note(&format!("to replay: rockproof replay {}", file.display()));
-        journal.write_cases(vec![(name, bytes)])?;
+    /// Writes a case, and tells the command that replays it.
+    fn write(&mut self, journal: &mut Journal, case: CaseFile) -> anyhow::Result<String> {
+        let file = journal.dir().join("cases").join(&case.name);
+        let replay = replay_command(&file, self.engines.spec(&case.engine));
+        print_note(&format!("to replay: {replay}"));
+        journal.write_cases(vec![(case.name, case.bytes)])?;
         self.written += 1;
-        Ok(file)
+        Ok(replay)
     }
 }

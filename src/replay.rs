@@ -68,6 +68,10 @@ impl Replay {
         let (said, partings) = answers(&case, &engines);
         let recurrence = Recurrence::of(&case, &engines);
         engines.check_shortage()?;
+        if !recurrence.recurs() {
+            // An engine that answers nothing shows nothing: that its finding is gone means something only of one that answers.
+            engines.probe_named(&case.about.engine)?;
+        }
         let recorded = match case.about.cause.as_str() {
             "tolerance" => &said[0],
             "representation" => &said[1],

@@ -33,12 +33,13 @@ fn passes_on_what_is_known_and_fails_on_each_planted_regression() {
         assert!(ran.code == 1 && ran.out.contains(message) && ran.out.contains("gate failed"), "{trick}: {}", ran.out);
         let cases = fs::read_dir(dir.join("reports/gate/fixed/cases")).expect("cases").count();
         assert!(cases > 0, "{trick}: a case to replay");
-        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{message}\"\ncount = 0\n");
-        assert_eq!(gate(dir, &planted(trick, &limit), &[], false).code, 1, "{trick} by count");
-        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{message}\"\nrate = 1e-6\n");
-        assert_eq!(gate(dir, &planted(trick, &limit), &[], false).code, 1, "{trick} by rate");
-        let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{message}\"\nrate = 0.9\n");
-        assert_eq!(gate(dir, &planted(trick, &limit), &[], false).code, 0, "{trick} is allowed");
+        // One on all findings, so that the engine's answers are looked at in each case.
+        let limit = |own: &str| {
+            format!("[[limit]]\ncount = 9999\n[[limit]]\nengine = \"mine\"\nchange = \"{message}\"\n{own}\n")
+        };
+        assert_eq!(gate(dir, &planted(trick, &limit("count = 0")), &[], false).code, 1, "{trick} by count");
+        assert_eq!(gate(dir, &planted(trick, &limit("rate = 1e-6")), &[], false).code, 1, "{trick} by rate");
+        assert_eq!(gate(dir, &planted(trick, &limit("rate = 0.9")), &[], false).code, 0, "{trick} is allowed");
     }
 }
 
@@ -117,8 +118,7 @@ fn the_corpus_holds_steps_to_what_they_record() {
 fn the_formats_are_what_their_readers_take() {
     let dir = tempfile::tempdir().expect("a directory");
     let dir = dir.path();
-    let limit =
-        "[[limit]]\nengine = \"mine\"\nchange = \"crash\"\ncount = 0\n[[limit]]\ncause = \"defect\"\ncount = 0\n";
+    let limit = "[[limit]]\nengine = \"mine\"\nchange = \"crash\"\ncount = 0\n[[limit]]\ncause = \"defect\"\ncount = 0\n[[limit]]\ncount = 9999\n";
     let ran = gate(dir, &planted("crash", limit), &["--rotating-seed", "7"], true);
     assert_eq!(ran.code, 1, "{}", ran.err);
     let text = fs::read_to_string(dir.join("junit.xml")).expect("JUnit");
@@ -136,7 +136,7 @@ fn the_formats_are_what_their_readers_take() {
         (tests, failures) = (tests + cases.len(), failures + failed);
     }
     assert_eq!((number(root, "tests"), number(root, "failures")), (Some(tests), Some(failures)));
-    assert_eq!((tests, failures), (3, 1));
+    assert_eq!((tests, failures), (4, 1));
     assert!(quick_junit::Report::deserialize_from_str(&text).is_ok(), "a reader of JUnit takes it");
     let annotation = ran.out.lines().find(|line| line.starts_with("::error ")).expect("an annotation");
     assert!(
@@ -217,7 +217,8 @@ fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
         ("corpus = []\n[[limit]]\nengine = \"abacus\"\ncount = 0\n", vec!["any, f32, f64, stepper-f32"]),
         ("corpus = []\n[[limit]]\nfamily = \"pyramids\"\ncount = 0\n", vec!["sliver"]),
         ("corpus = []\n[[limit]]\ntolerances = \"loose\"\ncount = 0\n", vec!["auto, shi, zero"]),
-        ("corpus = []\n[[limit]]\nrate = 2\n", vec!["line 2", "0 to 1"]),
+        ("corpus = []\n[[limit]]\nrate = 2\n", vec!["line 2", "0 to below 1"]),
+        ("corpus = []\n[[limit]]\nrate = 1\n", vec!["line 2", "0 to below 1"]),
         ("corpus = []\n[[limit]]\nrate = 0.1\nconfidence = 1.0\n", vec!["0.5"]),
         ("corpus = []\n[[limit]]\ncause = \"defect\"\n", vec!["count or rate"]),
         ("corpus = []\n[baseline]\nfile = \"none.toml\"\n", vec!["none.toml", "--update-baseline"]),

@@ -11,7 +11,7 @@ const NASTY: &str = "50%: a,b::c | d_e_f *g* `h` <i> & \"j\" [k](l) \\ m%0An";
 
 fn check(group: &'static str, name: &str, message: &str, status: CheckStatus) -> Check {
     let place = (format!("a,b:c%/{name}.toml"), 3);
-    let case = (name == "b").then(|| "reports/gate/fixed/cases/b.toml".into());
+    let replay = (name == "b").then(|| "rockproof replay reports/gate/fixed/cases/b.toml".to_owned());
     Check {
         group,
         name: name.to_owned(),
@@ -20,7 +20,7 @@ fn check(group: &'static str, name: &str, message: &str, status: CheckStatus) ->
         place,
         rows: Vec::new(),
         seconds: 0.25,
-        case,
+        replay,
     }
 }
 

@@ -145,7 +145,7 @@ fn who_changes_their_mind_fails() {
     let moody = ["sh".to_owned(), "-c".to_owned(), moody];
     let twice = |command: &[String]| {
         let words: Vec<&str> = command.iter().map(String::as_str).collect();
-        let limit = "[[limit]]\nchange = \"unstable\"\ncount = 0\n";
+        let limit = "[[limit]]\nchange = \"unstable\"\ncount = 0\n[[limit]]\nengine = \"mine\"\ncount = 9999\n";
         let text = around(&words, limit).replace("[campaign]", "[campaign]\nask_twice = true");
         gate(dir.path(), &text, &["--threads", "1"], false)
     };

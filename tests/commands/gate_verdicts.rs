@@ -35,7 +35,7 @@ fn an_engine_that_answers_nothing_fails() {
         assert!(ran.out.contains("; mine answered 0 of "), "{}", ran.out);
     }
     // One that answers all but some passes, and it is said how many.
-    let limit = "[[limit]]\nengine = \"mine\"\nchange = \"crash\"\nrate = 0.9\n";
+    let limit = "[[limit]]\nengine = \"mine\"\nrate = 0.5\n";
     let ran = gate(dir, &around(&[&client(), "crash"], limit), &[], false);
     assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
     let told = ran.out.rsplit_once("; mine answered ").expect("a summary").1;
@@ -52,7 +52,7 @@ fn an_engine_that_no_limit_concerns_fails_and_a_limit_that_concerns_none_is_skip
     let empty = always(r#""contacts":[]"#);
     let ran = gate(dir.path(), &around_engine(&empty, DEFECT), &[], false);
     assert!(
-        ran.code == 1 && ran.out.contains("no limit, no baseline and no case of the corpus concerns it"),
+        ran.code == 1 && ran.out.contains("no case is about what it answers, so whatever it answers would pass"),
         "{}",
         ran.out
     );
@@ -65,9 +65,20 @@ fn an_engine_that_no_limit_concerns_fails_and_a_limit_that_concerns_none_is_skip
     assert!(ran.code == 1 && ran.out.contains("gate failed: 1 passed, 0 skipped, 1 failed"), "{}", ran.out);
     for limit in ["cause = \"engine\"\n", "engine = \"mine\"\n", "change = \"missing\"\n", ""] {
         let ran = gate(dir.path(), &around_engine(&empty, &format!("[[limit]]\n{limit}count = 0\n")), &[], false);
-        assert!(ran.code == 1 && !ran.out.contains("concerns it"), "{limit}: {}", ran.out);
+        assert!(ran.code == 1 && !ran.out.contains("would pass"), "{limit}: {}", ran.out);
         let row = ran.out.lines().find(|line| line.contains("engine mine answers")).expect("a row");
         assert!(row.contains("pass"), "{limit}: {row}");
+    }
+    // None of these can be broken by an answer, so they say nothing of what it answers; nor does one that is skipped.
+    for limit in [
+        "change = \"recovered\"\ncount = 0\n",
+        "engine = \"mine\"\nchange = \"crash\"\ncount = 0\n",
+        "change = \"timeout\"\ncount = 0\n",
+        "engine = \"mine\"\nrate = 0.999\n",
+    ] {
+        let ran = gate(dir.path(), &around_engine(&empty, &format!("[[limit]]\n{limit}")), &[], false);
+        let row = ran.out.lines().find(|line| line.contains("engine mine answers")).expect("a row");
+        assert!(ran.code == 1 && row.contains("FAIL"), "{limit}: {}", ran.out);
     }
     for (limit, why) in [
         ("engine = \"mine\"\ncause = \"defect\"\n", "have the cause engine"),
@@ -88,10 +99,14 @@ fn own(dir: &Path, campaign: &str, rest: &str) -> (i32, String) {
 #[test]
 fn a_gate_with_nothing_to_check_is_refused() {
     let dir = tempfile::tempdir().expect("a directory");
-    std::fs::create_dir(dir.path().join("empty")).expect("a folder");
-    for corpus in ["[]", "[\"empty\"]"] {
+    // What is deeper is not looked at.
+    std::fs::create_dir_all(dir.path().join("empty/deep")).expect("folders");
+    std::fs::write(dir.path().join("empty/deep/case.toml"), "").expect("written");
+    for (corpus, why) in
+        [("[]", "gate.toml: there is nothing to check"), ("[\"empty\"]", "the folder empty holds no case")]
+    {
         let ran = gate(dir.path(), &format!("corpus = {corpus}\n[campaign]\npairs = 16\n"), &[], false);
-        assert!(ran.code == 2 && ran.err.contains("gate.toml: there is nothing to check"), "{}{}", ran.out, ran.err);
+        assert!(ran.code == 2 && ran.err.contains(why), "{}{}", ran.out, ran.err);
     }
     assert!(!dir.path().join("reports").exists(), "it is said before the work begins");
 }

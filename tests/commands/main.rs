@@ -30,6 +30,7 @@ mod examine_limits;
 mod external_engines;
 mod gate_command;
 mod gate_formats;
+mod gate_leftovers;
 #[cfg(unix)]
 mod gate_regressions;
 mod gate_verdicts;

@@ -81,23 +81,31 @@ impl Engines {
     /// # Errors
     /// The first that does not answer.
     pub fn probe(&self) -> Result<(), EnginesError> {
+        self.external.iter().try_for_each(|engine| self.probe_engine(engine))
+    }
+
+    /// The same of the external engine of this name, if there is one.
+    ///
+    /// # Errors
+    /// When it does not answer.
+    pub fn probe_named(&self, name: &str) -> Result<(), EnginesError> {
+        self.external.iter().filter(|engine| engine.name() == name).try_for_each(|engine| self.probe_engine(engine))
+    }
+
+    fn probe_engine(&self, engine: &External) -> Result<(), EnginesError> {
         let Some((a, b)) = box_at(0).zip(box_at(2)) else { return Ok(()) };
-        for engine in &self.external {
-            let Ok(tolerances) = preset::derive(Preset::Auto, &[&a, &b], engine.precision()) else { continue };
-            let near = |block: &Block| block.rounded(engine.precision());
-            let Some(((a, b), tolerances)) = near(&a).zip(near(&b)).zip(tolerances.rounded(engine.precision()).ok())
-            else {
-                continue;
-            };
-            let answered = engine.probe(&a, &b, &tolerances);
-            self.check_shortage()?;
-            answered.map_err(|what| EnginesError::NoReply {
-                name: engine.name().to_owned(),
-                command: engine.spec().command.join(" "),
-                what,
-            })?;
-        }
-        Ok(())
+        let Ok(tolerances) = preset::derive(Preset::Auto, &[&a, &b], engine.precision()) else { return Ok(()) };
+        let near = |block: &Block| block.rounded(engine.precision());
+        let Some(((a, b), tolerances)) = near(&a).zip(near(&b)).zip(tolerances.rounded(engine.precision()).ok()) else {
+            return Ok(());
+        };
+        let answered = engine.probe(&a, &b, &tolerances);
+        self.check_shortage()?;
+        answered.map_err(|what| EnginesError::NoReply {
+            name: engine.name().to_owned(),
+            command: engine.spec().command.join(" "),
+            what,
+        })
     }
 
     /// That all engines could be asked so far.
@@ -111,6 +119,11 @@ impl Engines {
     fn named(&self) -> Vec<Box<dyn Engine>> {
         let external = self.external.iter().map(|engine| Box::new(engine.clone()) as Box<dyn Engine>);
         self.builtin.iter().filter_map(|name| builtin::engine(name)).chain(external).collect()
+    }
+
+    /// How an external engine is started; `None` where none has the name.
+    pub fn spec(&self, name: &str) -> Option<&EngineSpec> {
+        self.external.iter().map(External::spec).find(|spec| spec.name == name)
     }
 
     /// The names in the order of the panel.

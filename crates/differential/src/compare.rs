@@ -51,6 +51,20 @@ rockproof_model::named_enum! {
 }
 
 impl AnswerChange {
+    /// Whether it is about what an engine answered, not about a question that it left without an answer or answered in two ways.
+    pub fn is_of_answers(self) -> bool {
+        !matches!(
+            self,
+            AnswerChange::Collapsed
+                | AnswerChange::Failure
+                | AnswerChange::Crash
+                | AnswerChange::Timeout
+                | AnswerChange::Malformed
+                | AnswerChange::Unsupported
+                | AnswerChange::Unstable
+        )
+    }
+
     /// Whether this is a violated metamorphic check rather than a difference from the oracle.
     pub fn is_metamorphic(self) -> bool {
         matches!(

@@ -24,12 +24,13 @@ impl Answers {
 }
 
 /// A check for each external engine: that it answered some pair, and that a limit, the baseline or a case of the corpus, whose engines are
-/// given, is about it; `run` names the campaign, `file` the gate file.
+/// given, is about what it answers; `limits` are the checks of [`limits`](super::limits), of which those skipped do not count. `run` names the campaign,
+/// `file` the gate file.
 pub fn checks(
     config: &GateConfig,
-    file: &str,
-    run: &str,
+    (file, run): (&str, &str),
     tally: &CampaignTally,
+    limits: &[Check],
     corpus: &BTreeSet<String>,
 ) -> Vec<Check> {
     let baseline = config.baseline.as_ref();
@@ -37,7 +38,8 @@ pub fn checks(
     let check = |spec: &rockproof_differential::external::EngineSpec| {
         let name = &spec.name;
         let answers = tally.answers(name);
-        let is_limited = config.limit.iter().any(|limit| limit_scope::concerns(limit.get_ref(), spec));
+        let mut checked = config.limit.iter().zip(limits).filter(|(_, check)| check.status != CheckStatus::Skip);
+        let is_limited = checked.any(|(limit, _)| limit_scope::concerns(limit.get_ref(), spec));
         let silent = answers.answered == 0 && answers.asked > 0;
         let (status, message) = if answers.asked == 0 {
             (CheckStatus::Skip, "no pair survived rounding, so it was asked about none".to_owned())
@@ -54,8 +56,10 @@ pub fn checks(
         } else if is_limited || known || corpus.contains(name) {
             (CheckStatus::Pass, answers.words())
         } else {
-            let none = "no limit, no baseline and no case of the corpus concerns it, so whatever it answers would pass";
-            (CheckStatus::Fail, format!("{}, but {none}; a limit with engine = \"{name}\" does", answers.words()))
+            let none =
+                "no limit checked, no baseline and no case is about what it answers, so whatever it answers would pass";
+            let remedy = format!("a limit with engine = \"{name}\" and count, without change and kind, is");
+            (CheckStatus::Fail, format!("{}, but {none}; {remedy}", answers.words()))
         };
         let rows = (0..tally.rows.len()).filter(|&at| silent && is_about(&tally.rows[at], name));
         Check {
@@ -66,7 +70,7 @@ pub fn checks(
             place: (file.to_owned(), 1),
             rows: rows.collect(),
             seconds: 0.0,
-            case: None,
+            replay: None,
         }
     };
     config.campaign.external.iter().map(check).collect()

@@ -171,7 +171,10 @@ impl FindingLimit {
         match (self.count, self.rate) {
             (Some(_), None) if self.confidence.is_some() => Err("confidence belongs to a rate, not to a count".into()),
             (Some(_), None) => Ok(()),
-            (None, Some(rate)) if !(0.0..=1.0).contains(&rate) => Err(format!("rate is {rate}; allowed are 0 to 1")),
+            // No share is above 1, so such a limit would hold whatever is found.
+            (None, Some(rate)) if !(0.0..1.0).contains(&rate) => {
+                Err(format!("rate is {rate}; allowed are 0 to below 1"))
+            }
             (None, Some(_)) if !self.confidence.is_none_or(is_confidence) => {
                 Err(format!("confidence {NOT_CONFIDENCE}"))
             }

@@ -5,6 +5,7 @@ use rockproof_campaign::engines::Engines;
 use rockproof_differential::case_file::{Case, CaseError, contact_rows};
 use rockproof_differential::engine::{Shortage, catch_panic};
 use rockproof_differential::external::protocol::completed;
+use rockproof_differential::external::spec::replay_command;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::{ReplayError, ReplayedStep, StepCase, StepCause};
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
@@ -24,6 +25,11 @@ pub enum CorpusError {
         /// Why.
         source: io::Error,
     },
+    /// A folder holds no case, though it is named as one that does.
+    #[error(
+        "corpus: the folder {0} holds no case, no file .toml or .json (folders in it are not looked through); `corpus = []` is a gate without cases"
+    )]
+    Empty(String),
     /// A file is no case.
     #[error(transparent)]
     Case(#[from] CaseError),
@@ -58,7 +64,7 @@ pub fn checks(paths: &[PathBuf], engines: &Engines) -> Result<Vec<Check>, Corpus
 /// The case files of a corpus: those named, and all in the folders named, in the order of their names.
 ///
 /// # Errors
-/// When a folder cannot be read.
+/// When a folder cannot be read, or holds no case.
 pub fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CorpusError> {
     paths.iter().map(|path| files_of(path)).collect::<Result<Vec<_>, _>>().map(|files| files.concat())
 }
@@ -84,20 +90,21 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {
     }
     files.retain(|file| file.extension().is_some_and(|extension| extension == "toml" || extension == "json"));
     files.sort();
-    Ok(files)
+    if files.is_empty() { Err(CorpusError::Empty(path.display().to_string())) } else { Ok(files) }
 }
 
 fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
     let begun = Instant::now();
-    let (status, message) = if StepCase::is_named(file) {
+    let ((status, message), engine) = if StepCase::is_named(file) {
         let at = |source| CorpusError::Step { file: file.display().to_string(), source };
         let case = StepCase::load(file).map_err(|error| at(error.into()))?;
-        judge_step(&case, engines).map_err(at)?
+        (judge_step(&case, engines).map_err(at)?, None)
     } else {
-        judge(&Case::load(file)?, engines)
+        let case = Case::load(file)?;
+        (judge(&case, engines), engines.spec(&case.about.engine))
     };
     let name = file.display().to_string();
-    let case = (status == CheckStatus::Fail).then(|| file.to_owned());
+    let replay = (status == CheckStatus::Fail).then(|| replay_command(file, engine));
     Ok(Check {
         group: "corpus",
         name: name.clone(),
@@ -106,7 +113,7 @@ fn check(file: &Path, engines: &Engines) -> Result<Check, CorpusError> {
         place: (name, 1),
         rows: Vec::new(),
         seconds: begun.elapsed().as_secs_f64(),
-        case,
+        replay,
     })
 }
 

@@ -47,8 +47,8 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
             }
             if check.status == CheckStatus::Fail {
                 status.set_type("gate");
-                if let Some(case) = &check.case {
-                    status.set_description(on_a_line(&format!("rockproof replay {}", case.display())));
+                if let Some(replay) = &check.replay {
+                    status.set_description(on_a_line(replay));
                 }
             }
             let mut case = TestCase::new(on_a_line(&check.name), status);

@@ -132,14 +132,14 @@ fn is_of_step(fingerprint: &str) -> bool {
 /// A check that does not fail.
 fn unfailed(name: String, message: String, status: CheckStatus, baseline: &Baseline) -> Check {
     let place = (baseline.file.display().to_string(), 1);
-    Check { group: "baseline", name, message, status, place, rows: Vec::new(), seconds: 0.0, case: None }
+    Check { group: "baseline", name, message, status, place, rows: Vec::new(), seconds: 0.0, replay: None }
 }
 
 fn failed(name: String, message: String, tally: &CampaignTally, baseline: &Baseline, fingerprint: &str) -> Check {
     let of = |at: &usize| tally.rows[*at].fingerprint(baseline) == *fingerprint;
     let place = (baseline.file.display().to_string(), 1);
     let rows = (0..tally.rows.len()).filter(of).collect();
-    Check { group: "baseline", name, message, status: CheckStatus::Fail, place, rows, seconds: 0.0, case: None }
+    Check { group: "baseline", name, message, status: CheckStatus::Fail, place, rows, seconds: 0.0, replay: None }
 }
 
 /// A sort of finding then and now.

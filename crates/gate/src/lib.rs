@@ -12,7 +12,6 @@ pub mod tally;
 
 use config::{FindingLimit, GateConfig, RECOVERED, line_of};
 use rockproof_model::text::noun;
-use std::path::PathBuf;
 use tally::CampaignTally;
 
 /// How a check came out.
@@ -54,8 +53,8 @@ pub struct Check {
     pub rows: Vec<usize>,
     /// How long it took (s). The time of a campaign is shared out among its checks.
     pub seconds: f64,
-    /// A case that shows why it fails, for `replay`.
-    pub case: Option<PathBuf>,
+    /// The command that replays a case which shows why it fails.
+    pub replay: Option<String>,
 }
 
 /// How sure one must be that a rate is exceeded, where a limit does not say.
@@ -112,7 +111,7 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
             place,
             rows,
             seconds: 0.0,
-            case: None,
+            replay: None,
         }
     };
     config.limit.iter().map(check).chain(recovered(config, file, run, tally)).collect()
@@ -129,7 +128,7 @@ pub fn nothing_checked(checks: &[Check], file: &str) -> Option<Check> {
         place: (file.to_owned(), 1),
         rows: Vec::new(),
         seconds: 0.0,
-        case: None,
+        replay: None,
     })
 }
 
@@ -165,6 +164,6 @@ fn recovered<'x>(
         place: (file.to_owned(), 1),
         rows: Vec::new(),
         seconds: 0.0,
-        case: None,
+        replay: None,
     })
 }

@@ -4,6 +4,7 @@ use super::config::{FindingLimit, GateConfig, line_of};
 use rockproof_campaign::source::FamilySource;
 use rockproof_campaign::steps::{self, PASSAGE, StepChange};
 use rockproof_differential::builtin;
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::external::EngineSpec;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCause;
@@ -88,10 +89,13 @@ pub(crate) fn without_cause(limit: &FindingLimit, config: &GateConfig) -> Option
     }
 }
 
-/// Whether a limit can be broken by what an external engine answers or leaves unanswered.
+/// Whether a limit can be broken by what an external engine answers. One on crashes, say, cannot: whatever the engine answers, it answers.
 pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec) -> bool {
+    let change = limit.change.as_deref().and_then(AnswerChange::from_name);
     limit.engine.as_ref().is_none_or(|name| *name == engine.name)
         && limit.cause.as_ref().is_none_or(|cause| cause == Cause::Engine.name())
+        && change.is_none_or(AnswerChange::is_of_answers)
+        && !limit.is_of_recovered()
         && !limit.is_of_steps()
 }
 

@@ -4,6 +4,7 @@ use crate::builtin::ENGINES;
 use rockproof_model::Precision;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// What an external engine is called, how it is started and what is asked of it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -121,6 +122,12 @@ pub fn check_name(name: &str) -> Result<(), EngineSpecError> {
 /// A text as one word of a command, for a shell.
 pub fn quoted(word: &str) -> String {
     shlex::try_quote(word).map_or_else(|_| word.to_owned(), std::borrow::Cow::into_owned)
+}
+
+/// The command that replays a case, for a shell; with the program of its engine where that is an external one.
+pub fn replay_command(case: &Path, engine: Option<&EngineSpec>) -> String {
+    let engine = engine.map_or(String::new(), |spec| format!(" --engine-command {}", spec.argument()));
+    format!("rockproof replay {}{engine}", quoted(&case.display().to_string()))
 }
 
 fn split(command: &str) -> Option<Vec<String>> {

@@ -1,0 +1,77 @@
+//! What a gate leaves to those after it: no report of an earlier gate, a directory that says whose it is, and commands that replay when pasted.
+
+use crate::engines::client;
+use crate::gates::{around, gate};
+use assert_cmd::Command;
+use std::fs;
+
+const PASSES: &str = "corpus = []\n[campaign]\npairs = 16\n[[limit]]\ncause = \"defect\"\ncount = 0\n";
+
+/// A gate that ends before it has checked anything must not leave the green report of the gate before.
+#[test]
+fn no_report_of_an_earlier_gate_stays() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let report = dir.path().join("junit.xml");
+    let ran = gate(dir.path(), PASSES, &[], false);
+    assert!(ran.code == 0 && report.exists(), "{}{}", ran.out, ran.err);
+    for (text, why) in [
+        (around(&["./nothing"], "[[limit]]\ncount = 0\n"), "does not answer"),
+        (PASSES.replace("defect", "luck"), "cause is \"luck\""),
+    ] {
+        fs::write(&report, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"rockproof gate\"/>\n")
+            .expect("written");
+        let ran = gate(dir.path(), &text, &[], false);
+        assert!(ran.code == 2 && ran.err.contains(why), "{}", ran.err);
+        assert!(!report.exists(), "{why}: the old report is still there");
+    }
+}
+
+#[test]
+fn neither_takes_the_directory_of_the_other() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let rockproof = |args: &[&str]| {
+        let output = Command::cargo_bin("rockproof").expect("the program").current_dir(dir).args(args).output();
+        let output = output.expect("runs");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    fs::write(dir.join("gate.toml"), PASSES).expect("written");
+    let campaign = ["campaign", "--pairs", "16", "--out"];
+    assert_eq!(rockproof(&[&campaign[..], &["theirs"]].concat()).0, Some(0));
+    let before = fs::read_dir(dir.join("theirs")).expect("results").count();
+    let (code, err) = rockproof(&["gate", "gate.toml", "--out", "theirs"]);
+    assert!(code == Some(2) && err.contains("theirs") && err.contains("campaign"), "{err}");
+    assert_eq!(fs::read_dir(dir.join("theirs")).expect("results").count(), before, "nothing is written there");
+    // A gate discards what a gate wrote there, and nobody else does.
+    for _ in 0..2 {
+        assert_eq!(rockproof(&["gate", "gate.toml", "--out", "ours"]).0, Some(0));
+    }
+    let (code, err) = rockproof(&[&campaign[..], &["ours"]].concat());
+    assert!(code == Some(2) && err.contains("ours") && err.contains("gate"), "{err}");
+}
+
+#[cfg(unix)]
+#[test]
+fn the_command_that_replays_can_be_pasted() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let client = client();
+    let text = around(&[&client, "none"], "[[limit]]\nengine = \"mine\"\ncount = 0\n").replace("256", "64");
+    let ran = gate(dir, &text, &["--out", "o ut"], false);
+    assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
+    let (_, told) = ran.err.split_once("to replay: ").expect("a command");
+    let pasted = told.lines().next().expect("a line").strip_prefix("rockproof").expect("the program");
+    let program = assert_cmd::cargo::cargo_bin!("rockproof").display();
+    let script = format!("'{program}'{pasted}");
+    let output = std::process::Command::new("sh").current_dir(dir).args(["-c", &script]).output().expect("a shell");
+    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.code() == Some(0) && out.contains("the finding recurs"), "{script}: {out}{err}");
+    let junit = fs::read_to_string(dir.join("junit.xml")).expect("JUnit");
+    assert!(junit.contains("--engine-command") && junit.contains("o ut/fixed/cases/"), "{junit}");
+    // An engine that answers nothing has not been mended.
+    let case = pasted.split(" --engine-command").next().expect("the case");
+    let script = format!("'{program}'{case} --engine-command mine=./nothing");
+    let output = std::process::Command::new("sh").current_dir(dir).args(["-c", &script]).output().expect("a shell");
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && err.contains("does not answer a first question"), "{err}");
+}
