@@ -2,6 +2,8 @@
 
 #[path = "../support/boxes.rs"]
 mod boxes;
+#[path = "../../crates/stepper/src/dynamics/step/bricks.rs"]
+mod bricks;
 #[path = "../support/mistaken_engine.rs"]
 mod mistaken_engine;
 #[path = "../../crates/stepper/tests/support/mistakes.rs"]
@@ -23,4 +25,5 @@ mod lockstep_table;
 mod passages;
 mod planted_step_mistakes;
 mod state_files;
+mod step_threads;
 mod tune_ranks;
