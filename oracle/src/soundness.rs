@@ -393,7 +393,7 @@ fn no_level_proves_a_wrong_sign() {
 }
 
 #[test]
-#[ignore = "fifteen seconds; .ci/run runs it"]
+#[ignore = "half a minute; .ci/run runs it"]
 fn no_level_proves_a_wrong_sign_at_full_size() {
     prove_no_wrong_sign(2_000);
 }

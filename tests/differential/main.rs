@@ -2,6 +2,8 @@
 
 #[path = "../support/boxes.rs"]
 mod boxes;
+#[path = "../../crates/stepper/src/dynamics/step/bricks.rs"]
+mod bricks;
 #[path = "../support/mistaken_engine.rs"]
 mod mistaken_engine;
 #[path = "../../crates/stepper/tests/support/mistakes.rs"]
@@ -24,4 +26,5 @@ mod passages;
 mod planted_step_mistakes;
 mod shrunk_cases;
 mod state_files;
+mod step_threads;
 mod tune_ranks;

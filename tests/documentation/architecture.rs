@@ -18,7 +18,7 @@ const REASON: &str = "// Longer than 400 lines: ";
 
 /// The crates of the workspace and those of its own that each may depend on. Cargo refuses every import that is not listed in a
 /// manifest; this table says which manifests are right. The rule above all others: oracle and stepper know the model alone.
-const MAY_DEPEND_ON: [(&str, &[&str]); 17] = [
+const MAY_DEPEND_ON: [(&str, &[&str]); 21] = [
     ("model", &[]),
     ("oracle", &["model"]),
     ("stepper", &["model"]),
@@ -31,8 +31,12 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 17] = [
     ("bench", &["model", "oracle", "stepper", "differential", "campaign", "results"]),
     ("report", &["model", "oracle", "simulate", "differential", "campaign", "gate", "results"]),
     ("examine", &["model", "oracle", "stepper", "simulate", "differential", "tune", "report", "results"]),
-    // Tests alone.
+    // Tests and benches alone.
+    ("benches", &[]),
+    ("campaign-tests", &[]),
+    ("differential-tests", &[]),
     ("model-tests", &[]),
+    ("oracle-tests", &[]),
     ("stepper-tests", &[]),
     // The stepper against closed forms, and the exact side against itself. Nothing depends on it but fuzz targets, tests and examples.
     ("validation", &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign", "bench"]),
@@ -72,15 +76,24 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 17] = [
     ),
 ];
 
-/// Crates that only tests need, or that hold tests alone.
-const NOT_PUBLISHED: [&str; 4] = ["fuzz", "validation", "model-tests", "stepper-tests"];
+/// Crates that only tests need, or that hold tests or benches alone.
+const NOT_PUBLISHED: [&str; 8] = [
+    "fuzz",
+    "validation",
+    "benches",
+    "campaign-tests",
+    "differential-tests",
+    "model-tests",
+    "oracle-tests",
+    "stepper-tests",
+];
 
-fn root() -> &'static Path {
+pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// All Rust files below a folder, in order.
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.sort();
@@ -173,30 +186,6 @@ fn files_can_be_read_in_a_sitting() {
     }
 }
 
-/// A filter of names passes where no test has the name any more, so each test that says `.ci/run` runs it is looked for there.
-#[test]
-fn tests_left_to_ci_are_run_there() {
-    let ci = std::fs::read_to_string(root().join(".ci/run")).unwrap();
-    // All long tests of commands, and those of campaigns by the beginnings of their names.
-    assert!(ci.contains("ignored_tests all at_full_size\n"));
-    assert!(ci.contains("ignored_tests commands --skip at_full_size\n"));
-    let filters = ci.lines().find_map(|line| line.trim().strip_prefix("ignored_tests differential "));
-    let filters: Vec<&str> = filters.expect("the long tests of campaigns").split_whitespace().collect();
-    let (mut found, mut used) = (0, BTreeSet::<&str>::new());
-    for file in ["crates", "oracle", "tests"].iter().flat_map(|folder| rust_files(&root().join(folder))) {
-        let text = std::fs::read_to_string(&file).unwrap();
-        for after in text.split("; .ci/run runs it\"]\n").skip(1) {
-            let name = after.split("fn ").nth(1).and_then(|name| name.split('(').next()).expect("a test");
-            let filter = filters.iter().find(|filter| name.starts_with(**filter));
-            let of_commands = file.starts_with(root().join("tests/commands"));
-            assert!(name.ends_with("at_full_size") || of_commands || filter.is_some(), "{name} is not run by .ci/run");
-            used.extend(filter);
-            found += 1;
-        }
-    }
-    assert!(found > 20 && used.len() == filters.len(), "{found} tests; of the filters {filters:?} only {used:?}");
-}
-
 /// Packages outside of the workspace share its target directory (`.ci/run`), and a crate is compiled once as long as all of them compile it alike.
 /// What the program does not use may be compiled otherwise.
 #[test]
@@ -222,33 +211,12 @@ fn packages_outside_are_compiled_like_the_workspace() {
     }
 }
 
-/// Crates whose examples in comments `cargo test` does not look for have none.
-#[test]
-fn no_example_in_a_comment_is_left_out() {
-    let mut without = 0;
-    for folder in std::fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path()) {
-        let manifest: toml::Table =
-            toml::from_str(&std::fs::read_to_string(folder.join("Cargo.toml")).unwrap()).unwrap();
-        let doctest = manifest.get("lib").and_then(|lib| lib.get("doctest")).and_then(toml::Value::as_bool);
-        if doctest != Some(false) {
-            continue;
-        }
-        without += 1;
-        for file in rust_files(&folder.join("src")) {
-            let text = std::fs::read_to_string(&file).unwrap();
-            let is_example = |line: &str| line.trim_start().starts_with("//") && line.contains("```");
-            assert!(!text.lines().any(is_example), "{} has an example: its crate's doctest must be on", file.display());
-        }
-    }
-    assert!(without > 10, "{without} crates");
-}
-
 /// `.ci/run` looks at the packages that ask for GMP, with it; in the others there is nothing else to see.
 #[test]
 fn only_what_is_checked_with_gmp_asks_for_it() {
     let ci = std::fs::read_to_string(root().join(".ci/run")).unwrap();
     let checked = ["oracle", "crates/bench", "crates/validation", "src", "tests", "examples/self_comparison"];
-    assert!(ci.contains("-p rockproof-oracle -p rockproof-bench -p rockproof-validation -p rockproof --lib --bins --tests --example self_comparison"));
+    assert!(ci.contains("-p rockproof-oracle -p rockproof-oracle-tests -p rockproof-bench -p rockproof-validation -p rockproof --lib --bins --tests --example self_comparison"));
     let folders = ["crates", "oracle", "src", "tests", "examples", "benches"].map(|folder| root().join(folder));
     let mut asking = 0;
     for file in folders.iter().flat_map(|folder| rust_files(folder)) {
@@ -283,10 +251,12 @@ fn files_that_the_map_names_exist() {
 fn published() -> Vec<PathBuf> {
     let folders = MAY_DEPEND_ON.into_iter().map(|(name, _)| match name {
         "rockproof" => root().to_path_buf(),
-        "oracle" => root().join("oracle"),
-        "model-tests" => root().join("crates/model/tests"),
-        "stepper-tests" => root().join("crates/stepper/tests"),
-        name => root().join("crates").join(name),
+        "benches" | "oracle" => root().join(name),
+        "oracle-tests" => root().join("oracle/tests"),
+        name => match name.strip_suffix("-tests") {
+            Some(tested) => root().join("crates").join(tested).join("tests"),
+            None => root().join("crates").join(name),
+        },
     });
     let is_published = |folder: &PathBuf| {
         let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).unwrap();

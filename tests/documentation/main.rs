@@ -5,6 +5,7 @@ mod drawings;
 
 mod architecture;
 mod book;
+mod left_out;
 mod mutants;
 mod pictures;
 #[cfg(unix)]

@@ -201,8 +201,10 @@ fn checked(page: &str, slow: bool) -> (Vec<String>, usize) {
 }
 
 fn check_all(slow: bool) {
-    // Each page has a folder of its own, so as many are checked at a time as the machine has cores.
-    let (pages, next) = (pages(), AtomicUsize::new(0));
+    // Each page has a folder of its own, so as many are checked at a time as the machine has cores; those with many commands first, that none of them
+    // is the last.
+    let (mut pages, next) = (pages(), AtomicUsize::new(0));
+    pages.sort_by_key(|page| std::cmp::Reverse(shown(&read(page)).len()));
     let work = || -> Vec<_> {
         let mine = std::iter::from_fn(|| pages.get(next.fetch_add(1, Ordering::Relaxed)));
         mine.map(|page| checked(page, slow)).collect()

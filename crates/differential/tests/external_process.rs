@@ -45,7 +45,25 @@ fn ends(id: &str) -> bool {
 
 #[test]
 fn nothing_of_an_engine_stays_behind() {
-    // Output before the question, after the answer, and without end.
+    // Most of the time goes by in waiting.
+    std::thread::scope(|scope| {
+        scope.spawn(output_nobody_asked_for);
+        scope.spawn(long_answers_and_children);
+    });
+    // Two hundred restarts leave nothing, not even where a child left the group and holds the pipes.
+    let before = ["fd", "task"].map(held);
+    let restart = || {
+        for script in ["read line; exit 3", "setsid sleep 3 & read line; exit 3"].repeat(25) {
+            assert!(matches!(ask(&mut shell(script), 10), Err(NoAnswer::Ended(_))));
+        }
+    };
+    std::thread::scope(|scope| (0..4).for_each(|_| drop(scope.spawn(restart))));
+    let after = ["fd", "task"].map(held);
+    assert!(after.iter().zip(before).all(|(after, before)| *after <= before + 4), "{before:?}, then {after:?}");
+}
+
+/// Output before the question, after the answer, and without end.
+fn output_nobody_asked_for() {
     let before = peak_kb();
     let mut early = shell("echo welcome; sleep 1000");
     std::thread::sleep(Duration::from_millis(500));
@@ -59,7 +77,10 @@ fn nothing_of_an_engine_stays_behind() {
     let grown = peak_kb() - before;
     assert!(grown < 96 * 1024, "{grown} kB for engines that write without end");
     drop((early, endless));
+}
 
+/// A long answer, what an engine started, and a crash.
+fn long_answers_and_children() {
     // A long answer, in pieces, from a program that ends with it.
     let long = "read line; head -c 300000 /dev/zero | tr '\\0' x; sleep 0.1; echo y";
     assert_eq!(ask(&mut shell(long), 10).expect("an answer").len(), 300_001);
@@ -82,14 +103,4 @@ fn nothing_of_an_engine_stays_behind() {
     let told = "it ended with exit code 3; its last words: out of \\u{1b}[31mrock".to_owned();
     assert_eq!(crashed, Err(NoAnswer::Ended(told)));
     assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
-
-    // Two hundred restarts leave nothing, not even where a child left the group and holds the pipes.
-    let before = ["fd", "task"].map(held);
-    for _ in 0..100 {
-        for script in ["read line; exit 3", "setsid sleep 3 & read line; exit 3"] {
-            assert!(matches!(ask(&mut shell(script), 10), Err(NoAnswer::Ended(_))));
-        }
-    }
-    let after = ["fd", "task"].map(held);
-    assert!(after.iter().zip(before).all(|(after, before)| *after <= before + 4), "{before:?}, then {after:?}");
 }

@@ -1,7 +1,9 @@
 //! The targets that read: good inputs are read, those of the corpus are borne, and mutated ones reach every kind of answer and error that a
 //! reader has, so that the mutations cannot quietly miss the readers.
 
-use rayon::prelude::*;
+#[path = "support/beside_one_another.rs"]
+mod beside_one_another;
+
 use rockproof_fuzz::{Dice, REFUSED, Reach, TARGETS, Target, TargetKind, corpus, seeds};
 
 /// Inputs of each target; of directories a share.
@@ -299,7 +301,7 @@ fn good_inputs_are_read() {
 
 #[test]
 fn the_corpus_is_borne() {
-    for target in TARGETS {
+    beside_one_another::of_each(&TARGETS, |target| {
         let corpus = corpus(target.name);
         let bytes: usize = corpus.iter().map(|(_, bytes)| bytes.len()).sum();
         assert!((1..=48).contains(&corpus.len()) && bytes <= 60_000, "{}: {} inputs", target.name, corpus.len());
@@ -307,7 +309,7 @@ fn the_corpus_is_borne() {
             println!("{}", path.display());
             target.run(&bytes, &mut Reach::default());
         }
-    }
+    });
 }
 
 /// A block of so long fractions that exact arithmetic would take forever.
@@ -351,7 +353,7 @@ fn mutated_inputs_are_read_or_refused_with_a_reason() {
     assert_eq!(WANTED.map(|(name, _)| name).to_vec(), readers().map(|target| target.name).collect::<Vec<_>>());
     let mut all = Reach::default();
     let reached_by = |(name, _): &(&str, _)| reached(&Target::named(name).expect(name), INPUTS, 1);
-    let reaches: Vec<Reach> = WANTED.par_iter().map(reached_by).collect();
+    let reaches: Vec<Reach> = beside_one_another::of_each(&WANTED, reached_by);
     for ((name, wanted), reach) in WANTED.into_iter().zip(reaches) {
         println!("{name}: {reach}");
         reach.all().for_each(|(kind, count)| all.add(kind, count));

@@ -30,25 +30,25 @@ pub trait ExactRing: Ring {
 }
 
 macro_rules! ring_by_operators {
-    ($type:ty, $from:expr) => {
+    ($(#[$inline:meta])? $type:ty, $from:expr) => {
         impl Ring for $type {
-            #[inline]
+            $(#[$inline])?
             fn from_i32(value: i32) -> Self {
                 $from(value)
             }
-            #[inline]
+            $(#[$inline])?
             fn plus(&self, other: &Self) -> Self {
                 self + other
             }
-            #[inline]
+            $(#[$inline])?
             fn minus(&self, other: &Self) -> Self {
                 self - other
             }
-            #[inline]
+            $(#[$inline])?
             fn times(&self, other: &Self) -> Self {
                 self * other
             }
-            #[inline]
+            $(#[$inline])?
             fn negated(&self) -> Self {
                 -self
             }
@@ -56,10 +56,15 @@ macro_rules! ring_by_operators {
     };
 }
 
+// Operations on the heap are compiled here, once, and not in every crate that asks for them; those of integers in a register are worth inlining.
 ring_by_operators!(BigInt, BigInt::from);
 ring_by_operators!(BigRational, |v: i32| BigRational::from_integer(BigInt::from(v)));
 // The caller has shown that no intermediate value leaves the range (see `lattice`).
-ring_by_operators!(i128, i128::from);
+ring_by_operators!(
+    #[inline]
+    i128,
+    i128::from
+);
 
 impl ExactRing for i128 {
     #[inline]

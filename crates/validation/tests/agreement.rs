@@ -4,6 +4,7 @@
 //! Caught so far: nothing in the oracle; it is here so that it stays that way. The same comparison runs for as long as one likes with
 //! `examples/self_comparison`; that it finds a mistaken path is held by `crates/validation/tests/self_comparison.rs`.
 
+use rayon::prelude::*;
 use rockproof_campaign::pairs::PairConfig;
 use rockproof_differential::engine::Levels;
 use rockproof_validation::self_comparison::compare::{OtherPaths, compare_batch};
@@ -41,9 +42,9 @@ fn a_foot_on_a_reentrant_edge_is_not_inside() {
 
 fn agree(batches: u64) {
     let (config, mut totals) = (PairConfig::default(), Totals::default());
-    for number in 0..batches {
-        let slow = OtherPaths { settled: true, plain: true, gmp: true };
-        let batch = compare_batch(PATHS, (5, number * 7), &config, slow);
+    let slow = OtherPaths { settled: true, plain: true, gmp: true };
+    let compared = |number| compare_batch(PATHS, (5, number * 7), &config, slow);
+    for batch in (0..batches).into_par_iter().map(compared).collect::<Vec<_>>() {
         assert!(batch.disagreements.is_empty(), "{:?}", batch.disagreements);
         totals.add(batch.family, batch.tally);
         totals.add_levels(batch.levels);

@@ -70,9 +70,8 @@ fn main() -> Result<()> {
     if !measured.exists() {
         tree::copy(&arguments.project, &tree)?;
         tree::make(&arguments.project, &tree, &mutants, &mut absent, &absent_file)?;
-        let crates = ["-p", "rockproof-oracle", "-p", "rockproof-stepper", "-p", "rockproof-stepper-tests"]
-            .map(str::to_owned)
-            .to_vec();
+        let crates = ["rockproof-oracle", "rockproof-oracle-tests", "rockproof-stepper-tests"];
+        let crates = crates.into_iter().flat_map(|name| ["-p".to_owned(), name.to_owned()]).collect();
         let also = arguments.also.iter().map(|text| text.split_whitespace().map(str::to_owned).collect());
         let packages: Vec<Vec<String>> = std::iter::once(crates).chain(also).collect();
         let programs = tree::test_programs(&tree, &packages)?;

@@ -6,6 +6,7 @@ use crate::number::{Ball, UNIT_ROUNDOFF};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
+use rockproof_model::ring::Ring;
 use rockproof_model::{Number, Sign};
 
 fn rational(value: f64) -> BigRational {
@@ -13,8 +14,8 @@ fn rational(value: f64) -> BigRational {
 }
 
 fn power(exponent: i32) -> BigRational {
-    let two = BigRational::from_integer(2.into());
-    if exponent < 0 { two.pow(exponent.abs()).recip() } else { two.pow(exponent) }
+    let size = BigInt::one() << exponent.unsigned_abs();
+    if exponent < 0 { BigRational::new_raw(BigInt::one(), size) } else { size.into() }
 }
 
 /// A type of enclosures, with what these tests must know of it.
@@ -40,7 +41,7 @@ trait Enclosure: Field + std::fmt::Debug {
     /// What is enclosed: the least, the middle, the greatest.
     fn values(&self) -> [BigRational; 3] {
         let (middle, radius) = (self.middle(), self.exact_radius().expect("a sample is known"));
-        [&middle - &radius, middle.clone(), middle + radius]
+        [middle.minus(&radius), middle.clone(), middle.plus(&radius)]
     }
 
     /// Holds a result against the values that it may have.
@@ -51,9 +52,9 @@ trait Enclosure: Field + std::fmt::Debug {
             return;
         };
         let middle = self.middle();
-        let needed = values.iter().map(|value| (value - &middle).abs()).max().expect("some value");
+        let needed = values.iter().map(|value| value.minus(&middle).abs()).max().expect("some value");
         assert!(needed <= radius, "{} = {self:?} is left by {}", what(), needed - radius);
-        let allowed = needed * (BigRational::one() + Self::slack()) + Self::rounding(&largest, least);
+        let allowed = needed.plus(&needed.times(&Self::slack())).plus(&Self::rounding(&largest, least));
         assert!(radius <= allowed, "{} = {self:?} is wide by {}", what(), radius / allowed);
         self.hold_views(values, (&largest, least), what);
     }
@@ -68,19 +69,24 @@ trait Enclosure: Field + std::fmt::Debug {
         let sign = self.certain_sign();
         assert!(values.iter().all(|value| sign.is_none_or(|sign| value.certain_sign() == Some(sign))), "{}", what());
         let radius = self.exact_radius().expect("known");
-        if self.middle().abs() > &radius * (BigRational::one() + Self::slack()) {
+        if self.middle().abs() > radius.plus(&radius.times(&Self::slack())) {
             assert!(sign.is_some(), "{} = {self:?} has a sign", what());
         }
         let size = self.magnitude_bound().expect("known").to_rational();
         assert!(size >= *largest, "{} = {self:?} is no larger than {size}", what());
-        let slack = (&radius + largest) * power(-27) + Self::rounding(largest, least);
-        assert!(size <= self.middle().abs() + &radius + slack, "{} = {self:?} is not as large as {size}", what());
+        let slack = radius.plus(largest).times(&power(-27)).plus(&Self::rounding(largest, least));
+        assert!(
+            size <= self.middle().abs().plus(&radius).plus(&slack),
+            "{} = {self:?} is not as large as {size}",
+            what()
+        );
         let (near, off) = self.nearby();
         if near.is_finite() && off.is_finite() {
             let (near, off) = (rational(near), rational(off));
-            let needed = values.iter().map(|value| (value - &near).abs()).max().expect("some value");
+            let needed = values.iter().map(|value| value.minus(&near).abs()).max().expect("some value");
             assert!(needed <= off, "{} = {self:?}: nearby", what());
-            let allowed = &radius * (BigRational::one() + Self::slack()) + largest * power(-49) + f64_floor(least);
+            let allowed =
+                radius.plus(&radius.times(&Self::slack())).plus(&largest.times(&power(-49))).plus(&f64_floor(least));
             assert!(off <= allowed, "{} = {self:?}: nearby is wide", what());
         } else {
             assert!(*largest > power(900), "{} = {self:?}: nothing nearby", what());
@@ -134,7 +140,7 @@ impl Enclosure for Ball {
     }
 
     fn rounding(size: &BigRational, least: &BigRational) -> BigRational {
-        size * rational(UNIT_ROUNDOFF) * (BigRational::one() + power(-40)) + f64_floor(least)
+        size.times(&rational(UNIT_ROUNDOFF)).times(&BigRational::one().plus(&power(-40))).plus(&f64_floor(least))
     }
 
     fn reach() -> BigRational {
@@ -174,7 +180,7 @@ impl Enclosure for DoubleBall {
         // Below 2⁻⁹⁶² products lose their low parts.
         let coarse = *size < power(-900) || *least < power(-900);
         let relative = if coarse { power(-48) } else { power(-100) };
-        size * relative + f64_floor(least)
+        size.times(&relative).plus(&f64_floor(least))
     }
 
     fn reach() -> BigRational {
@@ -209,7 +215,7 @@ impl Enclosure for WideBall {
     }
 
     fn rounding(size: &BigRational, _least: &BigRational) -> BigRational {
-        size * power(-62)
+        size.times(&power(-62))
     }
 
     fn reach() -> BigRational {
@@ -248,9 +254,9 @@ fn hold_pairs<S: Enclosure>() {
             let (x, y) = (a.values(), b.values());
             let told = |sign: &str| format!("{a:?} {sign} {b:?}");
             let least = &size_of(a).min(size_of(b));
-            a.plus(b).hold(&of_the_ends(&x, &y, |x, y| x + y), least, &|| told("+"));
-            a.minus(b).hold(&of_the_ends(&x, &y, |x, y| x - y), least, &|| told("-"));
-            a.times(b).hold(&of_the_ends(&x, &y, |x, y| x * y), least, &|| told("*"));
+            a.plus(b).hold(&of_the_ends(&x, &y, Ring::plus), least, &|| told("+"));
+            a.minus(b).hold(&of_the_ends(&x, &y, Ring::minus), least, &|| told("-"));
+            a.times(b).hold(&of_the_ends(&x, &y, Ring::times), least, &|| told("*"));
             let apart = y[0].is_positive() || y[2].is_negative();
             match a.over(b) {
                 Some(quotient) => {
@@ -268,7 +274,7 @@ fn hold_pairs<S: Enclosure>() {
             let lesser = a.lesser(b).expect("an enclosure");
             if let Some(radius) = lesser.exact_radius() {
                 let values = of_the_ends(&x, &y, |x, y| std::cmp::min(x, y).clone());
-                let needed = values.iter().map(|value| (value - lesser.middle()).abs()).max().expect("some");
+                let needed = values.iter().map(|value| value.minus(&lesser.middle()).abs()).max().expect("some");
                 assert!(needed <= radius, "{}: {lesser:?}", told("or"));
             }
         }

@@ -7,20 +7,23 @@ use crate::prepared_block::PreparedBlock;
 use crate::trace::Margin;
 use rockproof_model::decision::Decision;
 use rockproof_model::{ContactKey, EdgeId, Sign, VertexId};
+use std::collections::HashMap;
 
 /// Measures every decision whenever it is made.
 #[derive(Default)]
 struct MeasureAll {
     margins: Vec<(Decision, Option<Margin>)>,
-    /// Where the decision under way is among them.
+    /// Where each decision is among them.
+    places: HashMap<Decision, usize>,
+    /// Where the decision under way is.
     at: Option<usize>,
 }
 
 impl Observer for MeasureAll {
     fn begin(&mut self, decision: &Decision) {
-        let known = self.margins.iter().position(|(known, _)| known == decision);
-        self.at = Some(known.unwrap_or(self.margins.len()));
-        if known.is_none() {
+        let place = *self.places.entry(*decision).or_insert(self.margins.len());
+        self.at = Some(place);
+        if place == self.margins.len() {
             self.margins.push((*decision, None));
         }
     }
@@ -66,7 +69,7 @@ fn margins_by_a_recorded_classification_are_those_of_one_of_its_own() {
         let mut plain = MeasureAll::default();
         let observer: &mut dyn Observer = &mut plain;
         Classification::new(&pair, &t, observer).with_kept(kept).classify();
-        let plain = plain.margins;
+        let MeasureAll { margins: plain, places, .. } = plain;
         let decisions: Vec<Decision> = plain.iter().map(|(decision, _)| *decision).collect();
         let traced: Vec<Decision> = pair.trace_with_kept(&t, kept).iter().map(|entry| entry.decision).collect();
         assert_eq!(traced, decisions, "round {round}");
@@ -77,7 +80,7 @@ fn margins_by_a_recorded_classification_are_those_of_one_of_its_own() {
             let margins = pair.margins_with_kept(&t, kept, wanted);
             assert_eq!(margins.len(), wanted.len());
             for (decision, margin) in wanted.iter().zip(margins) {
-                let right = plain.iter().find(|(known, _)| known == decision).and_then(|(_, margin)| *margin);
+                let right = places.get(decision).and_then(|&place| plain[place].1);
                 assert_eq!(bits(margin), bits(right), "{decision}, round {round}");
             }
         }

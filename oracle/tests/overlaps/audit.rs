@@ -3,6 +3,7 @@
 
 // Longer than 400 lines: blocks worked out by hand and the plain searches that hold the audit for random ones.
 
+use crate::support::project_file;
 use crate::support::random_numbers::Random;
 use crate::support::shapes::{
     block, cuboid, exact, number, plus_sign, point, revised, slab, step, tetrahedron, turned,
@@ -308,7 +309,7 @@ fn pairs_are_found_and_put_in_order_whoever_audits_them() {
 
 #[test]
 fn the_joints_of_a_slope_overlap_in_19_pairs() {
-    let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/real/slope_joints.dda")).unwrap();
+    let scene = Scene::load(project_file("cases/real/slope_joints.dda")).unwrap();
     let shapes = scene.shapes();
     let found = audit(&shapes, &derive(Preset::Auto, &shapes, Precision::F64).unwrap());
     let deep: Vec<_> = found.overlaps.iter().filter(|o| !o.is_within_unevenness).collect();
@@ -320,7 +321,7 @@ fn the_joints_of_a_slope_overlap_in_19_pairs() {
 
 #[test]
 fn what_no_contact_sees_is_the_same_whether_depth_or_contacts_are_asked_first() {
-    let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/real/slope_joints.dda")).unwrap();
+    let scene = Scene::load(project_file("cases/real/slope_joints.dda")).unwrap();
     let shapes = scene.shapes();
     let slope: Vec<PreparedBlock> = shapes.iter().map(|block| PreparedBlock::new(block)).collect();
     // The first is 2 cm deep in the slab, less than g; the second 1/2, more than g.

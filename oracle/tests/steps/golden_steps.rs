@@ -2,6 +2,7 @@
 //! gaps, vertices and velocities.
 
 use crate::support::golden_steps::{GoldenScene, GoldenStep, scenes};
+use crate::support::project_file;
 use crate::support::shapes::exact;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -12,7 +13,6 @@ use rockproof_oracle::step::{
     FailedAttempt, IterationEnd, KeptPrecision, Mode, RetryReason, State, StepAnswer, StepFailure, StepModel,
     certified_step, exact_step,
 };
-use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The grid of the witness.
@@ -189,8 +189,7 @@ fn contacts_that_only_lock_or_slide_have_twelve_solves() {
     counted(&answer);
     assert_eq!(given_up(&answer), [9]);
     // The dominoes of cases/handmade, with tan φ of 12/5: friction locks and slides, and the twelfth change ends the attempt.
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/handmade/dominoes.toml");
-    let mut scene = Scene::load(Path::new(file)).expect("the scene reads");
+    let mut scene = Scene::load(project_file("cases/handmade/dominoes.toml")).expect("the scene reads");
     scene.simulation.control.time_step = Number::parse("1/200").expect("a number");
     scene.simulation.joints.other.friction = Number::parse("12/5").expect("a number");
     let tolerances = scene.tolerances.clone().unwrap_or_default().resolve(&scene.shapes(), Precision::F64);

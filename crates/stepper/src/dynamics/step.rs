@@ -1,6 +1,8 @@
 //! A scene and its state, step by step (SPEC section 5).
 
 #[cfg(test)]
+mod bricks;
+#[cfg(test)]
 mod tests;
 
 use crate::contact::{ClassificationRequest, PreparedBlock, SpecRules};

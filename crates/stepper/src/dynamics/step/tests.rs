@@ -1,3 +1,4 @@
+use super::bricks::{BRICKS, bricks};
 use super::*;
 use crate::dynamics::island::{BySingle, SingleFactor, islands};
 use crate::dynamics::products::Products;
@@ -106,78 +107,20 @@ fn a_factor_in_f32_is_refined_to_the_solution_in_f64() {
     }
 }
 
-/// Bricks in running bond on a fixed floor: so many along a course, behind one another and above one another; far from it the same again if `twice`.
-fn bricks([along, deep, high]: [u32; 3], twice: bool, motion: rockproof_model::Motion) -> Dynamics<f64> {
-    let cuboid = |low: [u32; 3], size: [u32; 3]| {
-        let corner =
-            |k: u32| [0, 1, 2].map(|axis| f64::from(low[axis] + if k >> axis & 1 == 1 { size[axis] } else { 0 }));
-        let points: Vec<[f64; 3]> = (0..8).map(corner).collect();
-        block(&points, &[&[0, 2, 3, 1], &[4, 5, 7, 6], &[0, 1, 5, 4], &[1, 3, 7, 5], &[3, 2, 6, 7], &[2, 0, 4, 6]])
-    };
-    let mut blocks = Vec::new();
-    for wall in 0..=u32::from(twice) {
-        let begin = wall * (2 * along + 10);
-        let mut floor = cuboid([begin, 0, 0], [2 * along + 1, 2 * deep + 1, 1]);
-        floor.body.motion = rockproof_model::Motion::Fixed;
-        blocks.push(floor);
-        for number in 0..along * deep * high {
-            let (x, y, z) = (number % along, number / along % deep, number / (along * deep));
-            let size = if deep == 1 { [2, 1, 1] } else { [2, 2, 1] };
-            let mut brick =
-                cuboid([begin + 2 * x + z % 2, size[1] * y + if deep == 1 { 0 } else { z % 2 }, z + 1], size);
-            brick.body.motion = motion;
-            blocks.push(brick);
-        }
-    }
-    let mut scene = Scene { blocks, ..Scene::default() };
-    // A thick mass slides and locks for long once it is let go.
-    scene.simulation.control.settle = if deep == 1 { 1 } else { 2 };
-    let set = ToleranceSpec::default().derive(&scene.shapes(), Precision::F64).expect("tolerances");
-    scene.derive_stiffness(&set);
-    Dynamics::new(&scene, &set).expect("a scene")
-}
-
+/// Otherwise tests of steps on many threads would not try what they are for.
 #[test]
-fn steps_are_the_same_bits_on_any_number_of_threads() {
-    same_bits_on(&[3]);
-}
-
-#[test]
-#[ignore = "twelve seconds; .ci/run runs it"]
-fn steps_are_the_same_bits_on_more_numbers_of_threads_at_full_size() {
-    same_bits_on(&[2, 3, 5]);
-}
-
-fn same_bits_on(numbers: &[usize]) {
-    use rockproof_model::Motion::{Deformable, Rigid};
-    // A wall, a rigid one, two islands, and masses so large that their factors are in f32.
-    for (size, twice, motion, very_large) in [
-        ([18, 1, 18], false, Deformable, false),
-        ([22, 1, 22], false, Rigid, false),
-        ([14, 1, 14], true, Deformable, false),
-        ([8, 8, 9], false, Deformable, true),
-        ([10, 10, 10], false, Rigid, true),
-    ] {
-        let by = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| {
-                let mut dynamics = bricks(size, twice, motion);
-                let reports: Vec<StepReport> =
-                    (0..2).map(|_| dynamics.step().expect("a step that converges")).collect();
-                let unknowns: Vec<usize> = dynamics.setup.bodies.iter().map(|body| body.motion.unknowns()).collect();
-                let pairs: Vec<[u32; 2]> = dynamics.state.contacts.iter().map(|contact| contact.blocks).collect();
-                let modes: Vec<Mode> = dynamics.state.contacts.iter().map(|contact| contact.mode).collect();
-                let islands = islands(&unknowns, &pairs, &modes);
-                assert_eq!(islands.len(), 1 + usize::from(twice));
-                let layout = dynamics.layouts.of(&islands[0].couplings).expect("a layout");
-                assert_eq!(layout.suits_conjugate_gradients(), very_large, "{size:?}");
-                // Zeros of both signs are equal, but not the same bits: they are written differently.
-                (reports, dynamics.modes.clone(), format!("{:?}", dynamics.state))
-            })
-        };
-        let one = by(1);
-        for &threads in numbers {
-            assert!(by(threads) == one, "{size:?} on {threads} threads");
-        }
+fn the_islands_of_bricks_are_as_many_and_as_large_as_meant() {
+    for (size, twice, motion, very_large) in BRICKS {
+        let (scene, set) = bricks(size, twice, motion);
+        let mut dynamics = Dynamics::<f64>::new(&scene, &set).expect("a scene");
+        let mut contacts = dynamics.contacts();
+        contacts.iter_mut().for_each(StepContact::reset::<SpecRules>);
+        let unknowns: Vec<usize> = dynamics.setup.bodies.iter().map(|body| body.motion.unknowns()).collect();
+        let pairs: Vec<[u32; 2]> = contacts.iter().map(|contact| contact.blocks).collect();
+        let modes: Vec<Mode> = contacts.iter().map(|contact| contact.iterate.mode).collect();
+        let islands = islands(&unknowns, &pairs, &modes);
+        assert_eq!(islands.len(), 1 + usize::from(twice));
+        let layout = dynamics.layouts.of(&islands[0].couplings).expect("a layout");
+        assert_eq!(layout.suits_conjugate_gradients(), very_large, "{size:?}");
     }
 }
