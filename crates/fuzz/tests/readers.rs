@@ -301,7 +301,7 @@ fn good_inputs_are_read() {
 
 #[test]
 fn the_corpus_is_borne() {
-    beside_one_another::of_each(&TARGETS, |target| {
+    beside_one_another::of_each(TARGETS, |target| {
         let corpus = corpus(target.name);
         let bytes: usize = corpus.iter().map(|(_, bytes)| bytes.len()).sum();
         assert!((1..=48).contains(&corpus.len()) && bytes <= 60_000, "{}: {} inputs", target.name, corpus.len());
