@@ -1,5 +1,6 @@
 //! A pair of blocks, and its exact vectors for when f64 cannot decide.
 
+use crate::edge_products::EdgeProducts;
 use crate::field::DoubleBall;
 use crate::number::{Approx, Bits, Fixed, Int128, Magnitude, larger};
 use crate::prepared_block::PreparedBlock;
@@ -35,6 +36,7 @@ pub struct Pair<'s> {
     int1024: Made<'s, Int1024>,
     heap: Made<'s, BigInt>,
     magnitudes: OnceCell<Box<MagnitudePairs<'s>>>,
+    pub(crate) edge_products: EdgeProducts,
     pub(crate) recordings: Recordings,
 }
 
@@ -196,6 +198,7 @@ impl<'s> Pair<'s> {
             int1024: OnceCell::new(),
             heap: OnceCell::new(),
             magnitudes: OnceCell::new(),
+            edge_products: EdgeProducts::default(),
             recordings: Recordings::default(),
         }
     }

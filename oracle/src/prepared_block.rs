@@ -1,6 +1,7 @@
 //! A block made ready for the oracle: approximate vectors with proved error bounds, computed once.
 
 use crate::number::{Approx, Bound, UNDERFLOW, UNIT_ROUNDOFF, larger, smaller};
+use crate::planar::Planar;
 use rockproof_model::block::face_normal;
 use rockproof_model::number::split_f64;
 use rockproof_model::topology::Edge;
@@ -55,6 +56,8 @@ pub(crate) struct PreparedFace {
     /// Whether it is proved to be a convex polygon. The block's own flag is that of the block as loaded;
     /// rounding its coordinates may have bent a straight corner inwards since.
     pub(crate) surely_convex: bool,
+    /// Whether all corners lie in its plane, exactly.
+    pub(crate) planar: Planar,
 }
 
 impl PreparedEdge {
@@ -83,6 +86,7 @@ impl PreparedFace {
             count,
             first: corners[0],
             surely_convex: false,
+            planar: Planar::of_corners(corners.len()),
         }
     }
 }
