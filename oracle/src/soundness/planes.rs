@@ -94,10 +94,10 @@ fn bent_faces_share_no_plane() {
     let (mut dice, mut seen) = (Dice(14), Seen::default());
     for round in 0..400 {
         let input = dice.pick(&[Input::SmallIntegers, Input::SmallIntegers, Input::NearTies, Input::Fractions]);
-        if let (Some(a), Some(b)) = (block(&mut dice, input, 0), block(&mut dice, input, 1)) {
-            if a.topology().edges().len().max(b.topology().edges().len()) <= 12 {
-                seen.check(&a, &b, &format!("round {round}, {input:?}"));
-            }
+        if let (Some(a), Some(b)) = (block(&mut dice, input, 0), block(&mut dice, input, 1))
+            && a.topology().edges().len().max(b.topology().edges().len()) <= 12
+        {
+            seen.check(&a, &b, &format!("round {round}, {input:?}"));
         }
     }
     assert!(seen.planar > 100 && seen.bent > 100 && seen.crossing > 50, "{seen:?}");
