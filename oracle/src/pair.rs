@@ -1,7 +1,8 @@
 //! A pair of blocks, and its exact vectors for when f64 cannot decide.
 
+use crate::edge_products::EdgeProducts;
 use crate::field::DoubleBall;
-use crate::number::{Bits, Fixed, Int128, Magnitude};
+use crate::number::{Approx, Bits, Fixed, Int128, Magnitude, larger};
 use crate::prepared_block::PreparedBlock;
 use crate::trace::Recordings;
 use crate::view::{ExactBlock, ExactPair};
@@ -28,24 +29,28 @@ pub struct Pair<'s> {
     pub(crate) a: &'s PreparedBlock,
     pub(crate) b: &'s PreparedBlock,
     grid: OnceCell<PairLattice>,
-    double: OnceCell<ExactPair<'s, DoubleBall>>,
-    small: OnceCell<ExactPair<'s, Int128>>,
-    int256: OnceCell<ExactPair<'s, Int256>>,
-    int512: OnceCell<ExactPair<'s, Int512>>,
-    int1024: OnceCell<ExactPair<'s, Int1024>>,
-    heap: OnceCell<ExactPair<'s, BigInt>>,
-    magnitudes: MagnitudePairs<'s>,
+    double: Made<'s, DoubleBall>,
+    small: Made<'s, Int128>,
+    int256: Made<'s, Int256>,
+    int512: Made<'s, Int512>,
+    int1024: Made<'s, Int1024>,
+    heap: Made<'s, BigInt>,
+    magnitudes: OnceCell<Box<MagnitudePairs<'s>>>,
+    pub(crate) edge_products: EdgeProducts,
     pub(crate) recordings: Recordings,
 }
+
+/// The pair in one number type, once it is asked for; elsewhere, so that a pair itself is small.
+pub(crate) type Made<'s, T> = OnceCell<Box<ExactPair<'s, T>>>;
 
 /// The pair for margins: in balls of two f64 and in integers of each width, with the sizes of their terms.
 #[derive(Default)]
 pub(crate) struct MagnitudePairs<'s> {
-    pub(crate) double: OnceCell<ExactPair<'s, Magnitude<DoubleBall>>>,
-    pub(crate) small: OnceCell<ExactPair<'s, Magnitude<Int128>>>,
-    pub(crate) int256: OnceCell<ExactPair<'s, Magnitude<Int256>>>,
-    pub(crate) int512: OnceCell<ExactPair<'s, Magnitude<Int512>>>,
-    pub(crate) heap: OnceCell<ExactPair<'s, Magnitude<BigInt>>>,
+    pub(crate) double: Made<'s, Magnitude<DoubleBall>>,
+    pub(crate) small: Made<'s, Magnitude<Int128>>,
+    pub(crate) int256: Made<'s, Magnitude<Int256>>,
+    pub(crate) int512: Made<'s, Magnitude<Int512>>,
+    pub(crate) heap: Made<'s, Magnitude<BigInt>>,
 }
 
 /// The vertices of a pair as integers, relative to A's first vertex.
@@ -112,6 +117,39 @@ const SMALL_BITS: u32 = 120;
 
 impl PairLattice {
     fn new(a: &PreparedBlock, b: &PreparedBlock) -> PairLattice {
+        PairLattice::of_floats(a, b).unwrap_or_else(|| PairLattice::of_numbers(a, b))
+    }
+
+    /// Where f64 holds all coordinates, and 63 bits hold them on the lattice.
+    fn of_floats(a: &PreparedBlock, b: &PreparedBlock) -> Option<PairLattice> {
+        const FAR: i32 = 900;
+        let place = a.place?.min(b.place?);
+        let scale = (-FAR..=FAR).contains(&place).then(|| power_of_two(-place))?;
+        let solids = [a, b];
+        let corners = solids.into_iter().flat_map(|s| s.box_min.into_iter().chain(s.box_max));
+        // Scaled by a power of two they are integers and nothing is rounded.
+        let held = corners.fold(0.0, |most, c| larger(most, c.abs())) * scale < (1u64 << 62) as f64;
+        if !held {
+            return None;
+        }
+        let units = |v: &Vec3<Approx>| v.map(|c| (c.0 * scale) as i64);
+        let origin = units(&a.vertices[0]);
+        let mut bits = 0;
+        let units = solids.map(|solid| {
+            let relative = |v: &Vec3<Approx>| {
+                let at = units(v);
+                let from_origin = [at.x - origin.x, at.y - origin.y, at.z - origin.z];
+                from_origin.iter().for_each(|c| bits |= c.unsigned_abs());
+                let [x, y, z] = from_origin.map(i128::from);
+                Vec3::new(x, y, z)
+            };
+            solid.vertices.iter().map(relative).collect::<Vec<_>>()
+        });
+        let bits = Bits(u64::BITS - bits.leading_zeros());
+        Some(PairLattice { lattice: Lattice::of_power_of_two(-place), bits, units: LatticeVertices::Small(units) })
+    }
+
+    fn of_numbers(a: &PreparedBlock, b: &PreparedBlock) -> PairLattice {
         let points = a.block.vertices().iter().chain(b.block.vertices());
         if let Some((lattice, mut units)) = Lattice::covering_points(points, SMALL_BITS) {
             let origin = units[0];
@@ -147,6 +185,7 @@ impl PairLattice {
 
 impl<'s> Pair<'s> {
     /// The pair of two blocks; A is the first everywhere.
+    #[inline]
     pub fn new(a: &'s PreparedBlock, b: &'s PreparedBlock) -> Pair<'s> {
         Pair {
             a,
@@ -158,7 +197,8 @@ impl<'s> Pair<'s> {
             int512: OnceCell::new(),
             int1024: OnceCell::new(),
             heap: OnceCell::new(),
-            magnitudes: MagnitudePairs::default(),
+            magnitudes: OnceCell::new(),
+            edge_products: EdgeProducts::default(),
             recordings: Recordings::default(),
         }
     }
@@ -192,7 +232,7 @@ impl<'s> Pair<'s> {
     /// The pair in balls of two f64, from A's first vertex, in units of `2^bits` units of the lattice, the least that makes all
     /// coordinates smaller than 1.
     pub(crate) fn double(&self) -> &ExactPair<'s, DoubleBall> {
-        self.double.get_or_init(|| self.in_double(|ball| ball))
+        self.double.get_or_init(|| Box::new(self.in_double(|ball| ball)))
     }
 
     /// [`Pair::double`] with something made of each coordinate.
@@ -214,27 +254,27 @@ impl<'s> Pair<'s> {
     }
 
     pub(crate) fn small(&self) -> &ExactPair<'s, Int128> {
-        self.small.get_or_init(|| self.exact())
+        self.small.get_or_init(|| Box::new(self.exact()))
     }
 
     pub(crate) fn int256(&self) -> &ExactPair<'s, Int256> {
-        self.int256.get_or_init(|| self.exact())
+        self.int256.get_or_init(|| Box::new(self.exact()))
     }
 
     pub(crate) fn int512(&self) -> &ExactPair<'s, Int512> {
-        self.int512.get_or_init(|| self.exact())
+        self.int512.get_or_init(|| Box::new(self.exact()))
     }
 
     pub(crate) fn int1024(&self) -> &ExactPair<'s, Int1024> {
-        self.int1024.get_or_init(|| self.exact())
+        self.int1024.get_or_init(|| Box::new(self.exact()))
     }
 
     pub(crate) fn heap(&self) -> &ExactPair<'s, BigInt> {
-        self.heap.get_or_init(|| self.exact())
+        self.heap.get_or_init(|| Box::new(self.exact()))
     }
 
     pub(crate) fn magnitudes(&self) -> &MagnitudePairs<'s> {
-        &self.magnitudes
+        self.magnitudes.get_or_init(Box::default)
     }
 }
 
@@ -251,6 +291,39 @@ mod tests {
             assert_eq!(BigInt::from_small(value), big);
             assert_eq!(BigInt::from_big(&big), big);
         }
+    }
+
+    /// Blocks in numbers that f64 holds, of few digits and of many, near and far.
+    #[test]
+    fn the_lattice_of_floats_is_that_of_numbers() {
+        use rockproof_model::{Block, Number};
+        let mut dice = crate::soundness::Dice(3);
+        let (mut short, mut long) = (0, 0);
+        for round in 0..400 {
+            let mut cuboid = || {
+                let (digits, shift) = (1 + dice.below(52), dice.below(40) as i32 - 20);
+                let far = [0.0, 0.0, 1.0, 1e6][dice.below(4) as usize];
+                let mut coordinate = |least: u64| {
+                    let value = ((1 << digits) * least + dice.below(1 << digits)) as f64 + far;
+                    Number::from_f64(value * power_of_two(shift)).unwrap()
+                };
+                let mut corner = |least| Vec3::new(coordinate(least), coordinate(least), coordinate(least));
+                let (low, high) = (corner(0), corner(1));
+                PreparedBlock::new(&Block::cuboid(&low, &high).unwrap())
+            };
+            let (a, b) = (cuboid(), cuboid());
+            let plainly = PairLattice::of_numbers(&a, &b);
+            let Some(found) = PairLattice::of_floats(&a, &b) else {
+                long += 1;
+                continue;
+            };
+            short += 1;
+            assert_eq!((&found.lattice, found.bits), (&plainly.lattice, plainly.bits), "round {round}");
+            for side in [Side::A, Side::B] {
+                assert_eq!(found.vertices::<BigInt>(side), plainly.vertices::<BigInt>(side), "round {round}, {side:?}");
+            }
+        }
+        assert!(short > 100 && long > 20, "{short} held by 62 bits, {long} not");
     }
 
     #[test]

@@ -49,8 +49,8 @@ pub(crate) trait Polynomial {
     fn variant(&self) -> usize;
     /// The value; only its sign means anything.
     fn value<V: View>(&self, view: &V) -> V::T;
-    /// A shorter polynomial that tells this sign where an edge lies in the plane of a face, if there is one.
-    fn of_edge_in_plane(&self, _pair: &Pair<'_>) -> Option<OfEdgeInPlane> {
+    /// The product of an edge and a normal that tells this sign, if there is one.
+    fn as_edge_along_normal(&self, _pair: &Pair<'_>) -> Option<AsEdgeAlongNormal> {
         None
     }
     /// What proves the value to be zero with fewer digits, if anything may.

@@ -1,6 +1,7 @@
 //! A block made ready for the oracle: approximate vectors with proved error bounds, computed once.
 
 use crate::number::{Approx, Bound, UNDERFLOW, UNIT_ROUNDOFF, larger, smaller};
+use crate::planar::Planar;
 use rockproof_model::block::face_normal;
 use rockproof_model::number::split_f64;
 use rockproof_model::topology::Edge;
@@ -18,6 +19,8 @@ pub struct PreparedBlock {
     pub(crate) faces: Vec<PreparedFace>,
     pub(crate) box_min: [f64; 3],
     pub(crate) box_max: [f64; 3],
+    /// The largest k such that all coordinates are multiples of `2^k`, where f64 holds them all.
+    pub(crate) place: Option<i32>,
     pub(crate) errors: VectorErrors,
     longest_loop: usize,
     /// Bounds the distance of a face's vertices from its plane.
@@ -53,6 +56,8 @@ pub(crate) struct PreparedFace {
     /// Whether it is proved to be a convex polygon. The block's own flag is that of the block as loaded;
     /// rounding its coordinates may have bent a straight corner inwards since.
     pub(crate) surely_convex: bool,
+    /// Whether all corners lie in its plane, exactly.
+    pub(crate) planar: Planar,
 }
 
 impl PreparedEdge {
@@ -81,6 +86,7 @@ impl PreparedFace {
             count,
             first: corners[0],
             surely_convex: false,
+            planar: Planar::of_corners(corners.len()),
         }
     }
 }
@@ -113,10 +119,11 @@ impl PreparedBlock {
         let edges: Vec<PreparedEdge> =
             topology.edges().iter().map(|edge| PreparedEdge::new(edge, &vertices, &faces)).collect();
         let exact = block.coordinates().all(|c| c.as_f64().is_some());
+        let place = exact.then(|| least_place(&vertices));
         let longest_loop = topology.faces().iter().map(Vec::len).max().unwrap_or(3);
         let mut solid = PreparedBlock {
             block: block.clone(),
-            errors: VectorErrors::of(&vertices, exact, longest_loop, [&box_min, &box_max], &edges, &faces),
+            errors: VectorErrors::of(place, longest_loop, [&box_min, &box_max], &edges, &faces),
             longest_loop,
             extremes: if exact {
                 extremes_at(&vertices, &box_min, &box_max)
@@ -128,6 +135,7 @@ impl PreparedBlock {
             faces,
             box_min,
             box_max,
+            place,
             bulge: 0.0,
         };
         let VectorErrors { inward, direction, .. } = solid.errors;
@@ -205,21 +213,23 @@ impl PreparedBlock {
 }
 
 impl VectorErrors {
-    /// Of a block whose coordinates f64 holds, if they are `exact`.
+    /// Of a block whose coordinates f64 holds, all multiples of `2^place`, if there is such a place.
     fn of(
-        vertices: &[Vec3<Approx>],
-        exact: bool,
+        place: Option<i32>,
         longest_loop: usize,
         [box_min, box_max]: [&[f64; 3]; 2],
         edges: &[PreparedEdge],
         faces: &[PreparedFace],
     ) -> VectorErrors {
-        let coordinate =
-            if exact { 0.0 } else { largest_of(box_min.iter().chain(box_max).copied()) * UNIT_ROUNDOFF + UNDERFLOW };
+        let coordinate = if place.is_some() {
+            0.0
+        } else {
+            largest_of(box_min.iter().chain(box_max).copied()) * UNIT_ROUNDOFF + UNDERFLOW
+        };
         let extent = (0..3).map(|k| box_max[k] - box_min[k]).fold(0.0, f64::max);
         let mut worst = VectorErrors::worst(extent, coordinate, longest_loop);
-        if exact {
-            worst.leave_out_what_is_exact(digits_of(vertices, extent), longest_loop);
+        if let Some(place) = place {
+            worst.leave_out_what_is_exact(digits_of(place, extent), longest_loop);
         }
         let (mut directions, mut inwards) = (Largest::default(), Largest::default());
         for edge in edges {
@@ -275,11 +285,15 @@ impl VectorErrors {
     }
 }
 
-/// Binary digits of the extent of a block with these coordinates, counted in the largest power of two that divides all of them. `None` where
-/// products of three of these might leave the range of f64.
-fn digits_of(vertices: &[Vec3<Approx>], extent: f64) -> Option<u32> {
+/// The largest k such that all coordinates are multiples of `2^k`.
+fn least_place(vertices: &[Vec3<Approx>]) -> i32 {
     let place = |c: Approx| if c.0 == 0.0 { i32::MAX } else { split_f64(c.0).1 };
-    let unit = vertices.iter().fold(i32::MAX, |unit, v| unit.min(place(v.x)).min(place(v.y)).min(place(v.z)));
+    vertices.iter().fold(i32::MAX, |unit, v| unit.min(place(v.x)).min(place(v.y)).min(place(v.z)))
+}
+
+/// Binary digits of the extent of a block whose coordinates are multiples of `2^unit`, counted in that. `None` where products of three of these might
+/// leave the range of f64.
+fn digits_of(unit: i32, extent: f64) -> Option<u32> {
     let (significand, exponent) = split_f64(extent);
     let top = exponent + 64 - significand.leading_zeros() as i32;
     // One more, as the extent may have been rounded down.

@@ -2,6 +2,7 @@
 
 mod integer_width;
 mod margins;
+mod planes;
 
 pub(crate) use margins::Margins;
 
@@ -9,7 +10,7 @@ use crate::field::{DoubleBall, Field};
 use crate::levels::LevelCounts;
 use crate::number::{Approx, Ball, Bits, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
-use crate::predicate::{Edge, EdgeAlongNormal, Face, OfEdgeInPlane, Polynomial, SLOTS};
+use crate::predicate::{AsEdgeAlongNormal, Denominator, Polynomial, SLOTS};
 use crate::unit_bounds::{SizePowers, UnitBounds, unit_bounds_for};
 use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
@@ -27,6 +28,8 @@ pub(crate) struct SignCascade<'p, 's> {
     size_powers: SizePowers,
     balls: OnceCell<Scales<Ball>>,
     careful_stages: OnceCell<Box<CarefulStages<'p>>>,
+    /// Whether a sign has been decided in integers of 128 bits, so that the pair is there in these.
+    in_integers: bool,
 }
 
 /// What only signs need that f64 and the bounds of unit size leave open, made when the first of them comes.
@@ -34,18 +37,11 @@ struct CarefulStages<'p> {
     bounds: [f64; SLOTS],
     bound_view: OnceCell<BoundView<'p>>,
     scales: ScalesCache,
-    /// By block, then by edge (its left face, its right face): whether the edge lies in that face's plane, once known.
-    edges_in_planes: [Vec<Option<bool>>; 2],
 }
 
 impl Default for CarefulStages<'_> {
     fn default() -> Self {
-        CarefulStages {
-            bounds: [f64::NAN; SLOTS],
-            bound_view: OnceCell::new(),
-            scales: ScalesCache::default(),
-            edges_in_planes: [Vec::new(), Vec::new()],
-        }
+        CarefulStages { bounds: [f64::NAN; SLOTS], bound_view: OnceCell::new(), scales: ScalesCache::default() }
     }
 }
 
@@ -91,6 +87,7 @@ impl<'p, 's> SignCascade<'p, 's> {
             size_powers,
             balls: OnceCell::new(),
             careful_stages: OnceCell::new(),
+            in_integers: false,
         }
     }
 
@@ -120,16 +117,22 @@ impl<'p, 's> SignCascade<'p, 's> {
     /// The exact sign of a polynomial.
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+        self.float_sign(polynomial).unwrap_or_else(|value| self.careful_sign(polynomial, value))
+    }
+
+    /// The sign where f64 tells it by a bound known beforehand, else the value in f64.
+    #[inline(always)]
+    fn float_sign<P: Polynomial>(&mut self, polynomial: &P) -> Result<Sign, f64> {
         let value = polynomial.value(&self.float_view()).0;
         let bound = self.bound_of::<P>(polynomial.variant());
         if value > bound {
             self.levels.float += 1;
-            Sign::Positive
+            Ok(Sign::Positive)
         } else if value < -bound {
             self.levels.float += 1;
-            Sign::Negative
+            Ok(Sign::Negative)
         } else {
-            self.careful_sign(polynomial, value)
+            Err(value)
         }
     }
 
@@ -149,6 +152,7 @@ impl<'p, 's> SignCascade<'p, 's> {
                 return if value > 0.0 { Sign::Positive } else { Sign::Negative };
             }
         }
+        let mut bound = self.bound_of::<P>(polynomial.variant());
         // Where no unit bound applies, those of this very pair do. Otherwise a ball is as cheap, and sharper.
         if !self.size_powers.apply() {
             self.careful_stages.get_or_init(Box::default);
@@ -160,16 +164,32 @@ impl<'p, 's> SignCascade<'p, 's> {
                     let bound = polynomial.value(view).error;
                     careful_stages.bounds[slot] = if bound.is_nan() { f64::INFINITY } else { bound };
                 }
-                if value.abs() > careful_stages.bounds[slot] {
+                bound = careful_stages.bounds[slot];
+                if value.abs() > bound {
                     self.levels.float += 1;
                     return if value > 0.0 { Sign::Positive } else { Sign::Negative };
                 }
             }
         }
-        if let Some(OfEdgeInPlane { edge, face, other, turn }) = polynomial.of_edge_in_plane(pair)
-            && self.lies_in_plane(edge, face)
+        if let Some(AsEdgeAlongNormal { edge, face, turn, in_plane }) = polynomial.as_edge_along_normal(pair)
+            && in_plane.is_none_or(|edge| self.lies_in_plane(edge, face))
         {
-            return self.sign(&EdgeAlongNormal { edge: other, face }).times(turn);
+            return self.edge_along_normal(edge, face).times(turn);
+        }
+        let gaps = polynomial.ties_with(tolerances);
+        if let Some(gaps) = &gaps
+            && self.share_plane(&gaps.first, &gaps.second)
+        {
+            self.levels.float += 1;
+            return Sign::Zero;
+        }
+        // Once the pair is there in integers these are cheaper than balls, if they need not be longer.
+        if P::DENOMINATOR == Denominator::None
+            && self.in_integers
+            && let Some(bits) = self.bits_of_ball::<P>(Ball { middle: value, radius: bound })
+            && bits < Bits(128)
+        {
+            return self.sign_of_bits(polynomial, bits);
         }
         let balls = BallView {
             floats: self.float_view(),
@@ -180,7 +200,7 @@ impl<'p, 's> SignCascade<'p, 's> {
             self.levels.ball += 1;
             return sign;
         }
-        if let Some(gaps) = polynomial.ties_with(tolerances)
+        if let Some(gaps) = gaps
             && self.are_equal(&gaps, &balls)
         {
             self.levels.fixed[0] += 1;
@@ -207,36 +227,6 @@ impl<'p, 's> SignCascade<'p, 's> {
         }
     }
 
-    /// Whether an edge is not a point and lies in the plane of a face at it.
-    fn lies_in_plane(&mut self, edge: Edge, face: Face) -> bool {
-        let solid = self.pair.solid(edge.0);
-        let topology = solid.block.topology();
-        let ends = topology.edge(edge.1);
-        // Points that f64 tells apart are two.
-        if solid.vertices[ends.p.index()] == solid.vertices[ends.q.index()] {
-            return false;
-        }
-        if topology.face(face.1).len() == 3 {
-            return true;
-        }
-        let (side, number) = (edge.0 as usize, 2 * edge.1.index() + usize::from(ends.right == face.1));
-        let known = self.careful_stages.get().and_then(|stages| stages.edges_in_planes[side].get(number));
-        if let Some(Some(known)) = known {
-            return *known;
-        }
-        // What is found out on the way to a sign is not counted as one.
-        let levels = self.levels;
-        let lies = self.sign(&EdgeAlongNormal { edge, face }).is_zero();
-        self.levels = levels;
-        self.careful_stages.get_or_init(Box::default);
-        if let Some(stages) = self.careful_stages.get_mut() {
-            let known = &mut stages.edges_in_planes[side];
-            known.resize(known.len().max(number + 1), None);
-            known[number] = Some(lies);
-        }
-        lies
-    }
-
     /// The sign in integers of the least width that holds every intermediate value.
     pub(crate) fn exact_sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
         let bits = self.exact_scales().bits_of(polynomial, self.pair, self.tolerances);
@@ -251,6 +241,7 @@ impl<'p, 's> SignCascade<'p, 's> {
         let exact = || cache.exact(pair, tolerances);
         if bits.0 < 128 {
             self.levels.i128 += 1;
+            self.in_integers = true;
             let scales = LazyScales { made: &cache.small, make: &|| exact().converted() };
             return integer_sign(polynomial, pair.small(), scales);
         }

@@ -25,6 +25,7 @@ mod definite;
 mod edge_in_plane;
 mod integer_width;
 mod limits;
+mod planes;
 mod replayed;
 mod ties;
 mod vectors;

@@ -353,11 +353,15 @@ pub(crate) struct ExactBlock<'p, T> {
 }
 
 /// The vectors of features that were asked for, and for each feature by its number the place of its vector, counted from 1, or 0.
-struct Known<T>(RefCell<(Vec<u32>, Vec<Vec3<T>>)>);
+struct Known<T> {
+    /// How many features there are.
+    count: usize,
+    made: RefCell<(Vec<u32>, Vec<Vec3<T>>)>,
+}
 
 impl<T: Clone> Known<T> {
-    fn none() -> Self {
-        Known(RefCell::new((Vec::new(), Vec::new())))
+    fn none_of(count: usize) -> Self {
+        Known { count, made: RefCell::new((Vec::new(), Vec::new())) }
     }
 
     fn get_or_make(&self, number: usize, make: impl FnOnce() -> Vec3<T>) -> Vec3<T> {
@@ -365,14 +369,17 @@ impl<T: Clone> Known<T> {
             let place = places.get(number).copied().unwrap_or(0);
             (place != 0).then(|| vectors[place as usize - 1].clone())
         };
-        if let Some(known) = known(&self.0.borrow()) {
+        if let Some(known) = known(&self.made.borrow()) {
             return known;
         }
         // What is made may itself ask for others.
         let made = make();
-        let (places, vectors) = &mut *self.0.borrow_mut();
+        let (places, vectors) = &mut *self.made.borrow_mut();
+        if places.is_empty() {
+            places.resize(self.count, 0);
+            vectors.reserve(self.count.min(8));
+        }
         vectors.push(made.clone());
-        places.resize(places.len().max(number + 1), 0);
         places[number] = vectors.len() as u32;
         made
     }
@@ -380,7 +387,14 @@ impl<T: Clone> Known<T> {
 
 impl<'p, T: Ring> ExactBlock<'p, T> {
     pub(crate) fn new(topology: &'p Topology, vertices: Vec<Vec3<T>>) -> Self {
-        ExactBlock { topology, vertices, normals: Known::none(), centres: Known::none(), inwards: Known::none() }
+        let [faces, edges] = [topology.faces().len(), topology.edges().len()];
+        ExactBlock {
+            topology,
+            vertices,
+            normals: Known::none_of(faces),
+            centres: Known::none_of(faces),
+            inwards: Known::none_of(2 * edges),
+        }
     }
 
     fn direction(&self, edge: EdgeId) -> Vec3<T> {

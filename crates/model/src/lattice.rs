@@ -49,6 +49,8 @@ impl Lattice {
         bits: u32,
     ) -> Option<(Lattice, Vec<Vec3<i128>>)> {
         let (mut exponent, mut odd) = (i32::MIN, 1u64);
+        let count = points.size_hint().0;
+        // Room for all at once, where there are any.
         let mut fractions = Vec::new();
         for point in points.clone() {
             for number in point.components() {
@@ -60,8 +62,11 @@ impl Lattice {
                 }
                 let (p, m, k) = number.small_fraction()?;
                 exponent = exponent.max(-k);
-                if !odd.is_multiple_of(m) {
+                if m != odd && !odd.is_multiple_of(m) {
                     odd = (odd / odd.gcd(&m)).checked_mul(m)?;
+                }
+                if fractions.is_empty() {
+                    fractions.reserve(3 * count);
                 }
                 fractions.push((p, m, k));
             }
@@ -75,13 +80,17 @@ impl Lattice {
                 (i128::from(p) * i128::from(odd), k)
             } else {
                 let (p, m, k) = fractions.next()?;
-                (p.checked_mul(i128::from(odd / m))?, k)
+                let factor = if m == odd { 1 } else { odd / m };
+                match i64::try_from(p) {
+                    Ok(short) => (i128::from(short) * i128::from(factor), k),
+                    Err(_) => (p.checked_mul(i128::from(factor))?, k),
+                }
             };
             let (width, shift) = (i128::BITS - whole.unsigned_abs().leading_zeros(), k + exponent);
             let held = whole == 0 || i64::from(width) + i64::from(shift) <= i64::from(bits);
             held.then(|| whole << shift.clamp(0, 126))
         };
-        let mut units = Vec::with_capacity(points.size_hint().0);
+        let mut units = Vec::with_capacity(count);
         for point in points {
             units.push(Vec3::new(unit(&point.x)?, unit(&point.y)?, unit(&point.z)?));
         }
@@ -90,7 +99,12 @@ impl Lattice {
 
     /// The lattice of the integers.
     pub fn unity() -> Lattice {
-        Lattice { exponent: 0, odd: BigInt::one(), small_odd: Some(1) }
+        Lattice::of_power_of_two(0)
+    }
+
+    /// The lattice with `2^exponent` units per metre.
+    pub fn of_power_of_two(exponent: i32) -> Lattice {
+        Lattice { exponent, odd: BigInt::one(), small_odd: Some(1) }
     }
 
     /// The odd p and the k of a lattice with `p · 2^k` units per metre; `None` where p is 2⁶⁴ or more.

@@ -71,6 +71,14 @@ impl DoubleBall {
 
     /// `value · scale`, for a value below 2¹²⁰ and a power of two of at least 2⁻¹²⁸ and at most 1.
     pub(crate) fn of_units(value: i128, scale: f64) -> DoubleBall {
+        if let Ok(short) = i64::try_from(value)
+            && short.unsigned_abs() < 1 << 62
+        {
+            let high = short as f64;
+            // Less than half of what 53 digits leave of 62.
+            let low = (short - high as i64) as f64;
+            return DoubleBall::exactly(high * scale, low * scale);
+        }
         let high = value as f64;
         let rest = value.wrapping_sub(high as i128);
         let low = rest as f64;
@@ -271,5 +279,31 @@ impl Field for DoubleBall {
 
     fn nearby(&self) -> (f64, f64) {
         (self.high, (self.radius + self.low.abs()) * INFLATION)
+    }
+}
+
+#[cfg(test)]
+mod unit_tests {
+    use super::*;
+
+    /// What one and two f64 hold is exact, up to either end of what 64 bits hold.
+    #[test]
+    fn units_are_held_exactly_or_within_their_radius() {
+        let scale = power_of_two(-64);
+        let (mut exact, mut rounded) = (0, 0);
+        for power in [0, 31, 52, 53, 54, 61, 62, 63, 64, 100, 106, 107, 119] {
+            for beside in [0, 1, -1, 1 << 9, (1 << 9) - 1, -(1 << 8) - 1, 1 << 40, (1 << 65) + 1] {
+                for value in [(1i128 << power) + beside, -(1i128 << power) - beside] {
+                    let ball = DoubleBall::of_units(value, scale);
+                    let part = |part: f64| BigRational::from_float(part).expect("finite");
+                    let value = BigRational::new(value.into(), BigInt::from(1) << 64u32);
+                    let off = value - part(ball.high) - part(ball.low);
+                    assert!(off <= part(ball.radius) && -off <= part(ball.radius), "2^{power} + {beside}: {ball:?}");
+                    assert!(ball.low.abs() <= ball.high.abs() * UNIT_ROUNDOFF, "2^{power} + {beside}: {ball:?}");
+                    *(if ball.radius == 0.0 { &mut exact } else { &mut rounded }) += 1;
+                }
+            }
+        }
+        assert!(exact > 100 && rounded > 1, "{exact} exact, {rounded} rounded");
     }
 }

@@ -1,6 +1,7 @@
 //! "Cone passes plane": the edges at a vertex against a face.
 
 use super::*;
+use rockproof_model::Sign;
 
 /// `e·N`, e an edge at the vertex, away from it: negative where the edge dips below the face's plane.
 pub(crate) struct EdgeAbovePlane {
@@ -21,6 +22,12 @@ impl Polynomial for EdgeAbovePlane {
     #[inline(always)]
     fn value<V: View>(&self, view: &V) -> V::T {
         away(view, (self.vertex.0, self.edge), self.vertex.1).dot(&view.normal(self.face.0, self.face.1))
+    }
+    #[inline(always)]
+    fn as_edge_along_normal(&self, pair: &Pair<'_>) -> Option<AsEdgeAlongNormal> {
+        let starts_here = pair.solid(self.vertex.0).edges[self.edge.index()].ends.0 == self.vertex.1;
+        let turn = if starts_here { Sign::Positive } else { Sign::Negative };
+        Some(AsEdgeAlongNormal { edge: (self.vertex.0, self.edge), face: self.face, turn, in_plane: None })
     }
 }
 
@@ -68,6 +75,15 @@ impl Polynomial for EdgeDipDepth {
         let (limit, unit) = self.limit.squared(view);
         limit.times(&n.norm_squared()).minus(&unit.times(&e.dot(&n).squared()))
     }
+}
+
+/// A sign is that of [`EdgeAlongNormal`] of `edge` and `face` times `turn`, provided that `in_plane` lies in the plane of `face`.
+pub(crate) struct AsEdgeAlongNormal {
+    pub(crate) edge: Edge,
+    pub(crate) face: Face,
+    pub(crate) turn: Sign,
+    /// An edge of `face` that must be no point and lie in its plane; `None` where the sign is that in any case.
+    pub(crate) in_plane: Option<Edge>,
 }
 
 /// `d·N` of any edge and any face: zero where the edge is parallel to the face's plane.

@@ -84,6 +84,8 @@ impl Polynomial for GapWithin {
     const FIRST_SLOT: usize = after::<AbovePlane>();
     const VARIANTS: usize = 9;
     const DEGREE: usize = 6;
+    // Limits are chosen to be the gaps that there are, rounded.
+    const IN_DOUBLE: bool = true;
     const DENOMINATOR: Denominator = Denominator::UnitSquared;
     #[inline(always)]
     fn variant(&self) -> usize {
@@ -168,8 +170,8 @@ impl Polynomial for LargerGap {
 
 /// A proof that two gaps are the same, in numbers of fewer digits than those of [`LargerGap`]: their planes are parallel.
 pub(crate) struct EqualGaps {
-    first: Entrance,
-    second: Entrance,
+    pub(crate) first: Entrance,
+    pub(crate) second: Entrance,
 }
 
 impl EqualGaps {

@@ -121,15 +121,6 @@ impl Polynomial for Orientation {
     }
 }
 
-/// Where `edge` is not a point and lies in the plane of `face`, a face at it, a sign is that of `d·N` of the edge `other` and of `face`, times `turn`.
-/// Edges of planar faces lie there; of others rounding leaves something of `d·N`.
-pub(crate) struct OfEdgeInPlane {
-    pub(crate) edge: Edge,
-    pub(crate) face: Face,
-    pub(crate) other: Edge,
-    pub(crate) turn: Sign,
-}
-
 /// `n·m` with `n = d₁ × d₂`, m an inward direction at one of the two edges.
 #[derive(Clone, Copy)]
 pub(crate) struct InwardAcross {
@@ -153,6 +144,8 @@ impl Polynomial for InwardAcross {
     const FIRST_SLOT: usize = after::<Orientation>();
     const VARIANTS: usize = 2;
     const DEGREE: usize = 5;
+    // Where planar faces leave zero, rounded ones leave a rounding.
+    const IN_DOUBLE: bool = true;
     const WITHIN_BLOCKS: bool = true;
     #[inline(always)]
     fn variant(&self) -> usize {
@@ -163,9 +156,11 @@ impl Polynomial for InwardAcross {
         let edge = self.edge();
         across(view, self.edge_a, self.edge_b).dot(&view.inward(edge.0, edge.1, self.right))
     }
-    fn of_edge_in_plane(&self, pair: &Pair<'_>) -> Option<OfEdgeInPlane> {
+    #[inline(always)]
+    fn as_edge_along_normal(&self, pair: &Pair<'_>) -> Option<AsEdgeAlongNormal> {
         // By Lagrange: (d_A × d_B)·(N × d_A) = (d_A·N)(d_A·d_B) − |d_A|²(d_B·N), and (d_A × d_B)·(N × d_B) = |d_B|²(d_A·N) − (d_B·N)(d_A·d_B). In the plane
-        // the edge's own product with N is zero. The right face's direction is the opposite one.
+        // the edge's own product with N is zero. The right face's direction is the opposite one. Edges of planar faces lie there; of others rounding leaves
+        // something of the product.
         let (own, other) = match self.side {
             Side::A => ((Side::A, self.edge_a), (Side::B, self.edge_b)),
             Side::B => ((Side::B, self.edge_b), (Side::A, self.edge_a)),
@@ -173,7 +168,7 @@ impl Polynomial for InwardAcross {
         let ends = pair.topology(own.0).edge(own.1);
         let face = (own.0, if self.right { ends.right } else { ends.left });
         let turn = if (self.side == Side::A) == self.right { Sign::Positive } else { Sign::Negative };
-        Some(OfEdgeInPlane { edge: own, face, other, turn })
+        Some(AsEdgeAlongNormal { edge: other, face, turn, in_plane: Some(own) })
     }
 }
 

@@ -36,7 +36,7 @@ impl Margins<'_, '_> {
     /// The same in balls of two f64, where these tell.
     pub(crate) fn of_balls<P: Polynomial>(&self, polynomial: &P) -> Option<(Sign, f64)> {
         let (pair, scales) = (self.pair, self.scales);
-        let geometry = pair.magnitudes().double.get_or_init(|| pair.in_double(Magnitude::of_ball));
+        let geometry = pair.magnitudes().double.get_or_init(|| Box::new(pair.in_double(Magnitude::of_ball)));
         let made = &scales.margins.get_or_init(Box::default).double;
         let make =
             || scales.exact(pair, self.tolerances).double(pair.grid().bits).map(|ball| Magnitude::of_ball(*ball));
@@ -49,10 +49,14 @@ impl Margins<'_, '_> {
         let exact = self.scales.exact(pair, self.tolerances);
         let made = self.scales.margins.get_or_init(Box::default);
         match self.scales.bits_of(polynomial, pair, self.tolerances).0 {
-            ..128 => relative_size(polynomial, known.small.get_or_init(|| pair.exact()), &made.small, exact),
-            128..256 => relative_size(polynomial, known.int256.get_or_init(|| pair.exact()), &made.int256, exact),
-            256..512 => relative_size(polynomial, known.int512.get_or_init(|| pair.exact()), &made.int512, exact),
-            _ => relative_size(polynomial, known.heap.get_or_init(|| pair.exact()), &made.heap, exact),
+            ..128 => relative_size(polynomial, known.small.get_or_init(|| Box::new(pair.exact())), &made.small, exact),
+            128..256 => {
+                relative_size(polynomial, known.int256.get_or_init(|| Box::new(pair.exact())), &made.int256, exact)
+            }
+            256..512 => {
+                relative_size(polynomial, known.int512.get_or_init(|| Box::new(pair.exact())), &made.int512, exact)
+            }
+            _ => relative_size(polynomial, known.heap.get_or_init(|| Box::new(pair.exact())), &made.heap, exact),
         }
     }
 }

@@ -22,6 +22,8 @@ pub(super) struct Seen {
     /// Values that an integer cannot hold, and those of them whose sign it then gets wrong.
     too_long: u64,
     wrong: u64,
+    /// Values of less than 128 bits by the bound of f64 alone.
+    by_bounds: u64,
     /// Gaps proved equal by their planes, and those that are equal and not proved.
     equal: u64,
     not_proved: u64,
@@ -37,6 +39,7 @@ impl AddAssign for Seen {
         self.at_the_edge += other.at_the_edge;
         self.too_long += other.too_long;
         self.wrong += other.wrong;
+        self.by_bounds += other.by_bounds;
         self.equal += other.equal;
         self.not_proved += other.not_proved;
         self.margins += other.margins;
@@ -49,6 +52,7 @@ impl Seen {
     pub(super) fn check(&self) {
         let Seen { wrapped, at_the_edge, too_long, wrong, equal, not_proved, .. } = *self;
         let Seen { margins, near_ties, margins_of_integers, .. } = *self;
+        assert!(self.by_bounds > 1_000, "{} short by the bound of f64", self.by_bounds);
         assert!(wrapped > 1_000 && at_the_edge > 100, "{wrapped} wrapped, {at_the_edge} as long as they may be");
         // An integer too short is noticed: no sign is right by itself.
         assert!(wrong > 100 && wrong < too_long, "{wrong} wrong of {too_long}");
@@ -67,7 +71,13 @@ pub(super) fn check<P: Polynomial>(run: &SignCascade<'_, '_>, p: &P, exact: Sign
     let value = value_in_integers::<P, BigInt>(pair, t, p);
     let on_the_way = bits_of(pair, t, p);
     let mut seen = Seen::default();
-    for enclosed in [run.bits_of_ball::<P>(p.value(&balls)), run.bits_of_double::<P>(&run.double_ball(p))] {
+    let around = Ball { middle: p.value(&run.float_view()).0, radius: run.bound_of::<P>(p.variant()) };
+    seen.by_bounds += u64::from(run.bits_of_ball::<P>(around).is_some_and(|bits| bits < Bits(128)));
+    for enclosed in [
+        run.bits_of_ball::<P>(p.value(&balls)),
+        run.bits_of_ball::<P>(around),
+        run.bits_of_double::<P>(&run.double_ball(p)),
+    ] {
         let Some(enclosed) = enclosed else { continue };
         assert!(value.bits() <= u64::from(enclosed.0), "{value} in {enclosed:?}, slot {slot}, {about}");
         seen.at_the_edge += u64::from(value.bits() == u64::from(enclosed.0));

@@ -1,0 +1,114 @@
+//! What follows from edges that are parallel to faces, and from features that lie in planes of faces, before any number is calculated.
+
+use super::SignCascade;
+use crate::edge_products::{recalled, remembered};
+use crate::predicate::{Edge, EdgeAlongNormal, Face, Vertex};
+use rockproof_model::decision::Side;
+use rockproof_model::{Entrance, Sign};
+
+impl SignCascade<'_, '_> {
+    /// The sign of `d·N` of an edge and a face, beyond f64 calculated once for each edge of one block and face of the other.
+    pub(super) fn edge_along_normal(&mut self, edge: Edge, face: Face) -> Sign {
+        let (pair, asked) = (self.pair, EdgeAlongNormal { edge, face });
+        let value = match self.float_sign(&asked) {
+            Ok(sign) => return sign,
+            Err(value) => value,
+        };
+        let (edges, faces) = (pair.solid(edge.0).edges.len(), pair.solid(face.0).faces.len());
+        let place = pair.edge_products.of(edge, face, edges, faces);
+        if let Some((sign, level)) = place.and_then(|place| recalled(place.get())) {
+            self.levels.add_one(level);
+            return sign;
+        }
+        let before = self.levels;
+        let sign = self.careful_sign(&asked, value);
+        if let (Some(place), Some(level)) = (place, self.levels.first_beyond(&before)) {
+            place.set(remembered(sign, level));
+        }
+        sign
+    }
+
+    /// Whether an edge is not a point and lies in the plane of a face at it, so far as that is known of all edges of the face.
+    pub(super) fn lies_in_plane(&mut self, edge: Edge, face: Face) -> bool {
+        let solid = self.pair.solid(edge.0);
+        let (p, q) = solid.edges[edge.1.index()].ends;
+        // Points that f64 tells apart are two.
+        solid.vertices[p.index()] != solid.vertices[q.index()] && self.is_planar(face)
+    }
+
+    /// Whether all corners of a face lie in its plane: its edges are at right angles to its normal, so its corners are as high as their mean.
+    pub(crate) fn is_planar(&mut self, face: Face) -> bool {
+        let solid = self.pair.solid(face.0);
+        let known = &solid.faces[face.1.index()].planar;
+        if let Some(planar) = known.get() {
+            return planar;
+        }
+        // What is found out on the way to a sign is not counted as one. Which level decides what comes later must not depend on whether somebody else has
+        // found it out before.
+        let (levels, in_integers) = (self.levels, self.in_integers);
+        // The first one closes the loop.
+        let edges = &solid.block.topology().face_edges(face.1)[1..];
+        let planar = edges.iter().all(|&edge| self.edge_along_normal((face.0, edge), face).is_zero());
+        (self.levels, self.in_integers) = (levels, in_integers);
+        known.set(planar);
+        planar
+    }
+
+    /// Whether the gaps of two entrances, unnormalised as [`crate::predicate::plane`] has them, are the same in size once normalised, as the features of one lie
+    /// in the plane of the other or are parallel to it. Says no where that does not tell.
+    pub(crate) fn share_plane(&mut self, first: &Entrance, second: &Entrance) -> bool {
+        use Entrance::{EdgeEdge, FaceVertex, VertexFace};
+        let levels = self.levels;
+        let share = match (*first, *second) {
+            (VertexFace(v, f), EdgeEdge(a, b)) | (EdgeEdge(a, b), VertexFace(v, f)) => {
+                self.crosses_in_plane((Side::A, v), (Side::B, f), (Side::A, a), (Side::B, b))
+            }
+            (FaceVertex(f, v), EdgeEdge(a, b)) | (EdgeEdge(a, b), FaceVertex(f, v)) => {
+                self.crosses_in_plane((Side::B, v), (Side::A, f), (Side::B, b), (Side::A, a))
+            }
+            (VertexFace(a, of_b), FaceVertex(of_a, b)) | (FaceVertex(of_a, b), VertexFace(a, of_b)) => {
+                self.are_parallel((Side::A, a), (Side::A, of_a), (Side::B, b), (Side::B, of_b))
+            }
+            _ => false,
+        };
+        self.levels = levels;
+        share
+    }
+
+    /// The plane of a vertex and a face, and that of `own`, an edge at the vertex, and `other`, an edge of the face.
+    ///
+    /// Where the face is planar and `own` parallel to it, both edges are at right angles to N, so their n is a multiple of N, or zero; then n has the same
+    /// product with all points of the face and with all of `own`: with any of the differences of which the gaps are made.
+    fn crosses_in_plane(&mut self, vertex: Vertex, face: Face, own: Edge, other: Edge) -> bool {
+        let (p, q) = self.pair.solid(own.0).edges[own.1.index()].ends;
+        let ends = self.pair.topology(other.0).edge(other.1);
+        (p == vertex.1 || q == vertex.1)
+            && (ends.left == face.1 || ends.right == face.1)
+            && self.edge_along_normal(own, face).is_zero()
+            && self.is_planar(face)
+    }
+
+    /// The plane of `vertex` and of the face `of_other`, and that of `other` and of the face `own`, each face with the vertex of its block among its corners.
+    ///
+    /// Where both faces are planar and two edges of `own` that are not parallel are parallel to `of_other`, the normals are multiples of one another, and each
+    /// vertex may stand for its face.
+    fn are_parallel(&mut self, vertex: Vertex, own: Face, other: Vertex, of_other: Face) -> bool {
+        let solid = self.pair.solid(own.0);
+        let (topology, other_topology) = (solid.block.topology(), self.pair.topology(other.0));
+        // Two edges that meet at a corner of a polygon certainly convex are not parallel.
+        if !solid.faces[own.1.index()].surely_convex || !other_topology.face(of_other.1).contains(&other.1) {
+            return false;
+        }
+        let mut at_corner = 0;
+        topology.vertex_edges(vertex.1).iter().all(|&edge| {
+            let ends = topology.edge(edge);
+            if ends.left != own.1 && ends.right != own.1 {
+                return true;
+            }
+            at_corner += 1;
+            self.edge_along_normal((own.0, edge), of_other).is_zero()
+        }) && at_corner == 2
+            && self.is_planar(own)
+            && self.is_planar(of_other)
+    }
+}
