@@ -32,5 +32,6 @@ pub use answer::{
 };
 pub use cascade::StepLevelCounts;
 pub use margin::{ModeMargin, friction_margins, mode_margins};
-pub use run::{certified_step, enclosed_step, exact_step, first_system};
+pub use prepare::neighbours;
+pub use run::{certified_step, certified_step_with, enclosed_step, exact_step, exact_step_with, first_system};
 pub use state::{BlockState, ContactMemory, KeptPrecision, Mode, State};

@@ -4,7 +4,7 @@ use crate::classification::{Classification, Observer};
 use crate::pair::Pair;
 use rockproof_model::decision::Decision;
 use rockproof_model::decision_index::DecisionIndex;
-use rockproof_model::{ContactKey, Sign, ToleranceSet};
+use rockproof_model::{Contact, ContactKey, Sign, ToleranceSet};
 use std::cell::{Ref, RefCell};
 
 /// One decision the oracle made.
@@ -54,6 +54,11 @@ impl Pair<'_> {
         (outcomes, recording.index.clone())
     }
 
+    /// The contacts of [`Pair::classify_with_kept`], found by the way of [`Pair::trace_with_kept`]: for who asks for both.
+    pub fn traced_contacts(&self, tolerances: &ToleranceSet, kept: &[ContactKey]) -> Vec<Contact> {
+        self.recording(tolerances, kept).contacts.clone()
+    }
+
     /// The exact margins of several decisions, for the price of the margins themselves once [`Pair::trace`] was asked under the same
     /// tolerances; `None` for one that [`Pair::classify`] does not come to make, or that asks no sign of its own.
     pub fn margins(&self, tolerances: &ToleranceSet, decisions: &[Decision]) -> Vec<Option<Margin>> {
@@ -80,8 +85,8 @@ impl Pair<'_> {
         let at = known(&self.recordings).unwrap_or_else(|| {
             let mut recorder = Recorder { entries: Vec::with_capacity(512), ..Recorder::default() };
             let observer: &mut dyn Observer = &mut recorder;
-            Classification::new(self, tolerances, observer).with_kept(kept).classify();
-            self.recordings.add(tolerances, kept, recorder.into_recording())
+            let contacts = Classification::new(self, tolerances, observer).with_kept(kept).classify();
+            self.recordings.add(tolerances, kept, recorder.into_recording(contacts))
         });
         Ref::map(self.recordings.made.borrow(), |made| &made[at].2)
     }
@@ -89,6 +94,8 @@ impl Pair<'_> {
 
 /// What is remembered of a classification: all it takes to come by the same way again without asking anything twice.
 struct Recording {
+    /// What came of it.
+    contacts: Vec<Contact>,
     /// The decisions, each once.
     entries: Vec<TraceEntry>,
     /// Where each of them is.
@@ -142,7 +149,7 @@ impl Recorder {
         self.entries.push(TraceEntry { decision: *decision, outcome, tie: self.tie });
     }
 
-    fn into_recording(self) -> Recording {
+    fn into_recording(self, contacts: Vec<Contact>) -> Recording {
         let Recorder { mut entries, signs, .. } = self;
         let outcomes = entries.iter().map(|entry| entry.outcome).collect();
         let mut first: Vec<u32> = Vec::with_capacity(entries.len());
@@ -155,7 +162,7 @@ impl Recorder {
             }
         }
         entries.truncate(first.len());
-        Recording { entries, index, first, outcomes, signs }
+        Recording { contacts, entries, index, first, outcomes, signs }
     }
 }
 

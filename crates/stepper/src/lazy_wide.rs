@@ -2,19 +2,21 @@
 //!
 //! Whether all comparisons of a classification are settled in 512 bits most comparisons tell in f64 already. So each operation works out a ball
 //! in f64 and notes what it was of; where the balls of two numbers meet and a comparison asks, both are made in [`Wide`] from the notes,
-//! operation by operation as `Wide` would have made them, each once. What is answered, and whether it is settled, is what `Wide` answers:
-//! a ball that settles a comparison holds the same number.
+//! operation by operation as `Wide` would have made them, each once: in 128 bits, which are cheap, and in 512 where these do not settle it. What is
+//! answered, and whether it is settled, is what `Wide` answers: a ball that settles a comparison holds the same number.
 //!
 //! The notes are those of one thread, and of one piece of work: see [`noted`].
 
 mod ball;
+mod notes;
 #[cfg(test)]
 mod tests;
 
 use self::ball::Ball;
+use self::notes::{FEWER_BITS, Note, Notes, Operand};
 use crate::contact::asked;
 use crate::real::Real;
-use crate::wide::Wide;
+use crate::wide::{Wide, in_bits};
 use rockproof_model::{ContactKey, Number};
 use std::cell::RefCell;
 use std::cmp::Ordering;
@@ -30,39 +32,8 @@ pub(crate) struct LazyWide {
     negated: bool,
 }
 
-/// How a number came about.
-#[derive(Clone, Copy)]
-enum Note {
-    /// Worked out already: its place among those.
-    Known(u32),
-    Sum([Operand; 2]),
-    Product([Operand; 2]),
-    Quotient([Operand; 2]),
-    Larger([Operand; 2]),
-    Root(Operand),
-    Magnitude(Operand),
-}
-
-#[derive(Clone, Copy)]
-enum Operand {
-    Exact(f64),
-    Noted { note: u32, negated: bool },
-}
-
-/// What is noted on a thread.
-struct Notes {
-    notes: Vec<Note>,
-    known: Vec<Wide>,
-    is_full: bool,
-}
-
-/// Notes kept at a time. More are made by blocks so large that nothing should be kept of every operation.
-const MAX_NOTES: usize = 1 << 18;
-/// Notes that a thread keeps room for.
-const KEPT: usize = 1 << 15;
-
 thread_local! {
-    static NOTES: RefCell<Notes> = const { RefCell::new(Notes { notes: Vec::new(), known: Vec::new(), is_full: false }) };
+    static NOTES: RefCell<Notes> = const { RefCell::new(Notes::new()) };
 }
 
 /// What `work` gives, which may calculate in [`LazyWide`]; `None` where it was too much to note, and what came out means nothing. Whatever is
@@ -76,83 +47,6 @@ pub(crate) fn noted<T>(work: impl FnOnce() -> T) -> Option<T> {
 /// Whether there was too much to note.
 fn is_full() -> bool {
     NOTES.with_borrow(|notes| notes.is_full)
-}
-
-impl Notes {
-    fn begin(&mut self) {
-        self.notes.clear();
-        self.notes.shrink_to(KEPT);
-        self.known.clear();
-        self.known.shrink_to(KEPT);
-        self.is_full = false;
-    }
-
-    fn add(&mut self, note: Note) -> u32 {
-        if self.notes.len() >= MAX_NOTES {
-            self.is_full = true;
-            return 0;
-        }
-        self.notes.push(note);
-        self.notes.len() as u32 - 1
-    }
-
-    fn add_known(&mut self, value: Wide) -> u32 {
-        let note = self.add(Note::Known(self.known.len() as u32));
-        if !self.is_full {
-            self.known.push(value);
-        }
-        note
-    }
-
-    /// The number in [`Wide`]; of an operand that has not been worked out yet, its note.
-    fn ready(&self, operand: Operand) -> Result<Wide, u32> {
-        match operand {
-            Operand::Exact(value) => Ok(Wide::of_f64(value)),
-            Operand::Noted { note, negated } => match self.notes[note as usize] {
-                Note::Known(place) if negated => Ok(-self.known[place as usize]),
-                Note::Known(place) => Ok(self.known[place as usize]),
-                _ => Err(note),
-            },
-        }
-    }
-
-    /// What is noted, if all it was made of is worked out; else the note of something that is not.
-    fn attempt(&self, note: u32) -> Result<Wide, u32> {
-        let both = |[one, two]: [Operand; 2]| -> Result<_, u32> { Ok((self.ready(one)?, self.ready(two)?)) };
-        Ok(match self.notes[note as usize] {
-            Note::Known(place) => self.known[place as usize],
-            Note::Sum(operands) => both(operands).map(|(one, two)| one + two)?,
-            Note::Product(operands) => both(operands).map(|(one, two)| one * two)?,
-            Note::Quotient(operands) => both(operands).map(|(one, two)| one / two)?,
-            Note::Larger(operands) => both(operands).map(|(one, two)| one.maximum(two))?,
-            Note::Root(operand) => self.ready(operand)?.root(),
-            Note::Magnitude(operand) => self.ready(operand)?.magnitude(),
-        })
-    }
-
-    /// Works out an operand, and what it was made of, without recursion: sums over long faces are as deep as these are long.
-    fn wide(&mut self, operand: Operand) -> Wide {
-        let mut waiting = Vec::new();
-        loop {
-            let missing = match self.ready(operand) {
-                Ok(value) => return value,
-                Err(note) => waiting.last().copied().unwrap_or(note),
-            };
-            match self.attempt(missing) {
-                Ok(value) => {
-                    self.notes[missing as usize] = Note::Known(self.known.len() as u32);
-                    self.known.push(value);
-                    waiting.pop();
-                }
-                Err(note) => {
-                    if waiting.is_empty() {
-                        waiting.push(missing);
-                    }
-                    waiting.push(note);
-                }
-            }
-        }
-    }
 }
 
 impl LazyWide {
@@ -171,7 +65,7 @@ impl LazyWide {
 
     /// A number that is made in [`Wide`] at once.
     fn known(ball: Ball, value: Wide) -> LazyWide {
-        LazyWide { ball, note: NOTES.with_borrow_mut(|notes| notes.add_known(value)), negated: false }
+        LazyWide { ball, note: NOTES.with_borrow_mut(|notes| notes.add_given(value)), negated: false }
     }
 
     fn operand(self) -> Operand {
@@ -187,8 +81,24 @@ impl LazyWide {
     fn wide(self) -> Wide {
         let is_of_use = !crate::wide::is_given_up();
         NOTES.with_borrow_mut(|notes| {
-            if is_of_use && !notes.is_full { notes.wide(self.operand()) } else { Wide::of_f64(f64::NAN) }
+            if is_of_use && !notes.is_full { notes.in_all_bits(self.operand()) } else { Wide::of_f64(f64::NAN) }
         })
+    }
+
+    /// The order of two numbers whose balls meet, where fewer bits settle it.
+    #[cold]
+    fn order_in_fewer_bits(self, other: LazyWide) -> Option<Ordering> {
+        if crate::wide::is_given_up() {
+            return None;
+        }
+        let operands = [self.operand(), other.operand()];
+        let [one, two] = NOTES.with_borrow_mut(|notes| (!notes.is_full).then(|| notes.in_fewer_bits(operands)))?;
+        in_bits(FEWER_BITS, || one.settled_order(two))
+    }
+
+    /// The order where f64 or fewer bits settle it.
+    fn order(self, other: LazyWide) -> Option<Ordering> {
+        self.ball.order(other.ball).or_else(|| self.order_in_fewer_bits(other))
     }
 }
 
@@ -230,7 +140,7 @@ impl Div for LazyWide {
 impl PartialOrd for LazyWide {
     /// As [`Wide`] has it, and counted as there.
     fn partial_cmp(&self, other: &LazyWide) -> Option<Ordering> {
-        self.ball.order(other.ball).or_else(|| self.wide().partial_cmp(&other.wide()))
+        self.order(*other).or_else(|| self.wide().partial_cmp(&other.wide()))
     }
 }
 
@@ -279,11 +189,11 @@ impl Real for LazyWide {
         }
     }
     fn below(self, other: Self) -> bool {
-        let order = self.ball.order(other.ball).map(|order| order == Ordering::Less);
+        let order = self.order(other).map(|order| order == Ordering::Less);
         order.unwrap_or_else(|| self.wide().middle_below(other.wide()))
     }
     fn surely_below(self, other: Self) -> bool {
-        let order = self.ball.order(other.ball).map(|order| order == Ordering::Less);
+        let order = self.order(other).map(|order| order == Ordering::Less);
         order.unwrap_or_else(|| self.wide().surely_below(other.wide()))
     }
     fn is_finite(self) -> bool {

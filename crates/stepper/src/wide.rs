@@ -266,6 +266,20 @@ impl Wide {
         self.is_known() && !self.negative && !self.is_zero()
     }
 
+    /// The order where the comparison is settled. Not counted.
+    pub(crate) fn settled_order(self, other: Wide) -> Option<Ordering> {
+        (self - other).settled_sign()
+    }
+
+    /// How it compares with zero, where that is certain.
+    fn settled_sign(self) -> Option<Ordering> {
+        self.is_settled().then_some(match (self.is_zero(), self.negative) {
+            (true, _) => Ordering::Equal,
+            (false, true) => Ordering::Less,
+            (false, false) => Ordering::Greater,
+        })
+    }
+
     /// Whether every value of the ball is below every value of the other's. Not counted.
     pub fn surely_below(self, other: Wide) -> bool {
         let difference = self - other;
@@ -509,20 +523,11 @@ impl PartialOrd for Wide {
     /// The order; equal, and counted as unsettled, where the intervals meet; `None` if either is unknown.
     fn partial_cmp(&self, other: &Wide) -> Option<Ordering> {
         let difference = *self - *other;
-        if !difference.is_settled() {
+        let order = difference.settled_sign();
+        if order.is_none() {
             UNSETTLED.set(UNSETTLED.get() + 1);
         }
-        if !difference.is_known() {
-            return None;
-        }
-        if !difference.is_settled() {
-            return Some(Ordering::Equal);
-        }
-        Some(match (difference.is_zero(), difference.negative) {
-            (true, _) => Ordering::Equal,
-            (false, true) => Ordering::Less,
-            (false, false) => Ordering::Greater,
-        })
+        order.or(difference.is_known().then_some(Ordering::Equal))
     }
 }
 

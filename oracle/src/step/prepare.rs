@@ -3,14 +3,14 @@
 use super::answer::{StepFailure, StepModel};
 use super::approximate::Layout;
 use super::attempt::{Attempt, Joint, force_at};
-use super::state::{ContactMemory, Mode, State};
+use super::state::State;
 use super::strength;
 use super::transfer::{StartingContact, transfer};
 use crate::{LevelCounts, Pair, PreparedBlock, mass};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::CheckedDiv;
-use rockproof_model::{Block, Contact, ContactKey, Number};
+use rockproof_model::{Block, Contact, Number};
 
 /// Everything that the attempts at a step share.
 pub(crate) struct PreparedStep<'a> {
@@ -32,12 +32,24 @@ pub(crate) struct PreparedStep<'a> {
 impl<'a> PreparedStep<'a> {
     /// Finds the contacts of a state and what they remember.
     pub(crate) fn new(model: &'a StepModel<'a>, state: &'a State) -> Result<PreparedStep<'a>, StepFailure> {
+        PreparedStep::with_contacts(model, state, None)
+    }
+
+    /// The same with contacts that are known already, if any are.
+    pub(crate) fn with_contacts(
+        model: &'a StepModel<'a>,
+        state: &'a State,
+        known: Option<Vec<([usize; 2], Contact)>>,
+    ) -> Result<PreparedStep<'a>, StepFailure> {
         let moved = |(shape, block): (&&Block, &super::BlockState)| shape.with_vertices(block.vertices.clone());
         let blocks: Vec<Block> = model.shapes.iter().zip(&state.blocks).map(moved).collect();
         if !model.bodies.iter().all(|body| mass::is_elastic(&model.simulation.materials[body.material])) {
             return Err(StepFailure::NoElasticity);
         }
-        let (contacts, contact_levels) = contacts(model, &blocks, &state.contacts);
+        let (contacts, contact_levels) = match known {
+            Some(contacts) => (contacts, LevelCounts::default()),
+            None => contacts(model, &blocks, state),
+        };
         let started = transfer(&contacts, &state.contacts);
         let joints = joints(model, &blocks, &started)?;
         let sizes: Vec<usize> = model.bodies.iter().map(|b| b.motion.unknowns()).filter(|&n| n > 0).collect();
@@ -95,16 +107,11 @@ impl<'a> PreparedStep<'a> {
 }
 
 /// The contacts of all neighbours; of each pair those are kept that the step before left closed.
-fn contacts(
-    model: &StepModel<'_>,
-    blocks: &[Block],
-    before: &[ContactMemory],
-) -> (Vec<([usize; 2], Contact)>, LevelCounts) {
+fn contacts(model: &StepModel<'_>, blocks: &[Block], state: &State) -> (Vec<([usize; 2], Contact)>, LevelCounts) {
     let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
     let (mut found, mut levels) = (Vec::new(), LevelCounts::default());
     for [i, j] in neighbours(model, &solids) {
-        let of_pair = before.iter().filter(|memory| memory.blocks == [i, j] && memory.mode != Mode::Open);
-        let kept: Vec<ContactKey> = of_pair.map(|memory| memory.contact.key).collect();
+        let kept = state.kept_contacts([i, j]);
         let answer = Pair::new(&solids[i], &solids[j]).classify_with_kept(model.tolerances, &kept);
         levels += answer.levels;
         found.extend(answer.contacts.into_iter().map(|contact| ([i, j], contact)));
@@ -112,8 +119,8 @@ fn contacts(
     (found, levels)
 }
 
-/// Pairs of blocks, not both fixed, that f64 does not prove to be out of reach; ascending.
-fn neighbours(model: &StepModel<'_>, solids: &[PreparedBlock]) -> Vec<[usize; 2]> {
+/// The pairs of blocks that a step classifies, in this order: not both fixed, and not proved by f64 to be out of reach; ascending.
+pub fn neighbours(model: &StepModel<'_>, solids: &[PreparedBlock]) -> Vec<[usize; 2]> {
     let ends = solids.iter().flat_map(|solid| solid.box_min.iter().chain(&solid.box_max));
     let size = ends.fold(0.0f64, |most, end| most.max(end.abs()));
     let search = model.tolerances.search.approximate();

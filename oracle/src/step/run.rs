@@ -12,15 +12,28 @@ use super::update::{gap_changes, updated};
 use crate::solve::SpdSystem;
 use num_rational::BigRational;
 use num_traits::Zero;
-use rockproof_model::Number;
 use rockproof_model::simulation::Body;
+use rockproof_model::{Contact, Number};
 
 /// Decides one step from `state`, exactly: all that [`exact_step`] does but for the state after it.
 ///
 /// # Errors
 /// When the step cannot be made: see [`StepFailure`].
 pub fn certified_step(model: &StepModel<'_>, state: &State) -> Result<CertifiedStep, StepFailure> {
-    certified_and(model, state, |_| ()).map(|(decided, ())| decided)
+    certified_and(PreparedStep::new(model, state)?, |_| ()).map(|(decided, ())| decided)
+}
+
+/// The same where the contacts are known: those that [`crate::Pair::classify_with_kept`] finds of the pairs of [`super::neighbours`], by pair and in
+/// SPEC order, with the contacts kept that [`State::kept_contacts`] says.
+///
+/// # Errors
+/// When the step cannot be made: see [`StepFailure`].
+pub fn certified_step_with(
+    model: &StepModel<'_>,
+    state: &State,
+    contacts: Vec<([usize; 2], Contact)>,
+) -> Result<CertifiedStep, StepFailure> {
+    certified_and(PreparedStep::with_contacts(model, state, Some(contacts))?, |_| ()).map(|(decided, ())| decided)
 }
 
 /// The same, and encloses how the step moves the blocks: balls of two f64 are asked where those of f64 know it badly.
@@ -32,16 +45,15 @@ pub fn enclosed_step(model: &StepModel<'_>, state: &State) -> Result<EnclosedSte
         let float = cascade.float().and_then(displacements).filter(|d| are_narrow(d));
         float.or_else(|| cascade.double().and_then(displacements))
     };
-    certified_and(model, state, enclosed).map(|(decided, displacements)| EnclosedStep { decided, displacements })
+    certified_and(PreparedStep::new(model, state)?, enclosed)
+        .map(|(decided, displacements)| EnclosedStep { decided, displacements })
 }
 
 /// Decides one step, and asks something of its last solve.
 fn certified_and<T>(
-    model: &StepModel<'_>,
-    state: &State,
+    prepared: PreparedStep<'_>,
     ask: impl FnOnce(&mut Cascade<'_>) -> T,
 ) -> Result<(CertifiedStep, T), StepFailure> {
-    let prepared = PreparedStep::new(model, state)?;
     let (mut certified, asked) = attempts(&prepared, |mut cascade, attempt, iterated, retries| {
         let asked = ask(&mut cascade);
         let certified = CertifiedStep {
@@ -92,7 +104,23 @@ pub fn first_system(model: &StepModel<'_>, state: &State) -> Option<SpdSystem> {
 /// # Errors
 /// When the step cannot be made or its state not be kept as asked: see [`StepFailure`].
 pub fn exact_step(model: &StepModel<'_>, state: &State, keep: KeptPrecision) -> Result<StepAnswer, StepFailure> {
-    let prepared = PreparedStep::new(model, state)?;
+    made(PreparedStep::new(model, state)?, keep)
+}
+
+/// The same where the contacts are known, as for [`certified_step_with`].
+///
+/// # Errors
+/// When the step cannot be made or its state not be kept as asked: see [`StepFailure`].
+pub fn exact_step_with(
+    model: &StepModel<'_>,
+    state: &State,
+    keep: KeptPrecision,
+    contacts: Vec<([usize; 2], Contact)>,
+) -> Result<StepAnswer, StepFailure> {
+    made(PreparedStep::with_contacts(model, state, Some(contacts))?, keep)
+}
+
+fn made(prepared: PreparedStep<'_>, keep: KeptPrecision) -> Result<StepAnswer, StepFailure> {
     let mut answer = attempts(&prepared, |mut cascade, attempt, iterated, retries| {
         let (state, gaps) = kept(&mut cascade, attempt, &iterated.after, keep).ok_or(StepFailure::NotKept)?;
         Ok(StepAnswer {

@@ -1,6 +1,6 @@
 //! What a step starts from and ends with.
 
-use rockproof_model::{Contact, Number, Point};
+use rockproof_model::{Contact, ContactKey, Number, Point};
 
 /// Whether a contact bears a force, and which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -30,6 +30,14 @@ pub struct State {
     pub fixed_points: Vec<Point>,
     /// The contacts of the last step, by pair and in SPEC order.
     pub contacts: Vec<ContactMemory>,
+}
+
+impl State {
+    /// The contacts of a pair that the step before left closed.
+    pub fn kept_contacts(&self, pair: [usize; 2]) -> Vec<ContactKey> {
+        let kept = |memory: &&ContactMemory| memory.blocks == pair && memory.mode != Mode::Open;
+        self.contacts.iter().filter(kept).map(|memory| memory.contact.key).collect()
+    }
 }
 
 /// The state of one block.

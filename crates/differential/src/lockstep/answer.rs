@@ -6,7 +6,7 @@ use num_rational::BigRational;
 use rockproof_model::{Block, Contact, Number};
 use rockproof_oracle::step::{self as exact, CertifiedStep, FailedAttempt, StepAnswer};
 use rockproof_stepper::Real;
-use rockproof_stepper::dynamics::{Mode, RetryReason, State, StepReport};
+use rockproof_stepper::dynamics::{DecidedStep, Mode, RetryReason, State, StepReport};
 
 /// The decisions of one step.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +32,21 @@ impl StepDecisions {
             converged: report.converged,
             retries: report.retries.iter().map(|retry| retry.why).collect(),
             time_step: report.time_step,
+        }
+    }
+
+    /// The stepper's of contacts that it found, from what it decided with them and its modes in every attempt.
+    pub(super) fn of_decided(
+        contacts: Vec<([u32; 2], Contact)>,
+        decided: &DecidedStep,
+        attempts: &[Vec<Vec<Mode>>],
+    ) -> StepDecisions {
+        StepDecisions {
+            contacts,
+            modes: attempts.last().cloned().unwrap_or_default(),
+            converged: decided.converged,
+            retries: decided.retries.iter().map(|retry| retry.why).collect(),
+            time_step: decided.time_step,
         }
     }
 

@@ -7,6 +7,7 @@ use crate::explain::{ChainLink, explain};
 use crate::finding::{Cause, DecidingDecision};
 use crate::indexed_trace::IndexedTrace;
 use crate::lockstep::answer::{StepAnswerChange, StepDecisions, StepDifference};
+use crate::lockstep::classified::ClassifiedBlocks;
 use crate::lockstep::scene::ExactScene;
 use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
 use rockproof_oracle::Pair;
@@ -84,29 +85,22 @@ pub(super) fn measure_modes(
 
 /// One side of a link: blocks in their state and the tolerances they are classified with.
 #[derive(Clone, Copy)]
-pub(super) struct LinkSide<'s> {
-    pub(super) blocks: &'s [Block],
+pub(super) struct LinkSide<'s, 'b> {
+    pub(super) blocks: &'s ClassifiedBlocks<'b>,
     pub(super) tolerances: &'s ToleranceSet,
 }
 
 /// Explains the contact differences of a link by the decisions that came out differently. The second side is the oracle's,
 /// or, of a link to the stepper, that of the stepper in the scalar R by the rules M.
-pub(super) struct Explainer<'s> {
-    pub(super) before: LinkSide<'s>,
-    pub(super) after: LinkSide<'s>,
+pub(super) struct Explainer<'s, 'b> {
+    pub(super) before: LinkSide<'s, 'b>,
+    pub(super) after: LinkSide<'s, 'b>,
     pub(super) roundoff: Option<f64>,
     /// The state before the step, whose closed contacts are kept.
     pub(super) state: &'s exact::State,
 }
 
-impl Explainer<'_> {
-    /// The contacts of a pair that the step before left closed.
-    fn kept_contacts(&self, pair: [u32; 2]) -> Vec<ContactKey> {
-        let of_pair = |memory: &&exact::ContactMemory| memory.blocks == pair.map(|block| block as usize);
-        let closed = |memory: &&exact::ContactMemory| memory.mode != exact::Mode::Open;
-        self.state.contacts.iter().filter(of_pair).filter(closed).map(|memory| memory.contact.key).collect()
-    }
-
+impl Explainer<'_, '_> {
     /// The differences with their cause; `stepper` traces a pair of blocks in the stepper, where the link leads to it.
     pub(super) fn attribute(
         &self,
@@ -150,21 +144,15 @@ impl Explainer<'_> {
         differences: &[Difference],
         stepper: Option<Tracer<'_>>,
     ) -> Vec<Option<DecidingDecision>> {
-        let [a, b] = pair.map(|block| &self.before.blocks[block as usize]);
-        let [a_after, b_after] = pair.map(|block| &self.after.blocks[block as usize]);
-        let kept = self.kept_contacts(pair);
-        let prepared = [a, b].map(rockproof_oracle::PreparedBlock::new);
-        // What a pair has worked out exactly serves all that is asked of it.
-        let before = Pair::new(&prepared[0], &prepared[1]);
+        let [a, b] = pair.map(|block| self.before.blocks.block(block));
+        let kept = self.state.kept_contacts(pair.map(|block| block as usize));
+        let before = self.before.blocks.pair(pair);
         let trace_after = || {
             if let Some(stepper) = stepper {
-                return stepper(a_after, b_after, &kept).map(IndexedTrace::of);
+                let [a, b] = pair.map(|block| self.after.blocks.block(block));
+                return stepper(a, b, &kept).map(IndexedTrace::of);
             }
-            if std::ptr::eq(self.before.blocks, self.after.blocks) {
-                return Some(trace(&before, self.after.tolerances, &kept));
-            }
-            let prepared = [a_after, b_after].map(rockproof_oracle::PreparedBlock::new);
-            Some(trace(&Pair::new(&prepared[0], &prepared[1]), self.after.tolerances, &kept))
+            Some(trace(&self.after.blocks.pair(pair), self.after.tolerances, &kept))
         };
         let link = ChainLink {
             before: &|| Some(Rc::new(trace(&before, self.before.tolerances, &kept))),

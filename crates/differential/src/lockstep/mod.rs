@@ -3,6 +3,7 @@
 
 pub mod answer;
 pub mod case_file;
+mod classified;
 pub mod cutout;
 pub mod drift;
 pub mod explain;

@@ -4,6 +4,7 @@
 
 use crate::finding::Cause;
 use crate::lockstep::answer::{StepDecisions, StepDifference, compare};
+use crate::lockstep::classified::ClassifiedBlocks;
 use crate::lockstep::explain::{
     AttributedDifference, ComparedLinks, Explainer, LinkSide, measure_modes, stepper_trace,
 };
@@ -14,10 +15,12 @@ use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::state_errors::{anchor_error, displacement_error, velocity_error};
 use crate::lockstep::wide::{WideError, WideStepper};
 use rockproof_model::{Block, ContactKey, Precision, Scene, ToleranceSet};
+use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::step::{self as exact, KeptPrecision, StepAnswer, StepFailure};
 use rockproof_stepper::dynamics::{
     Dynamics, PrescribedAttempt, PrescribedStep, SetupError, Solve, State, StepError, StepReport, StepRules,
 };
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// What the oracle keeps of coordinates after a step: far finer than any engine, and within reach of balls of two f64.
@@ -108,6 +111,8 @@ pub struct Lockstep<R, M> {
     /// Whether steps are looked through for passages and unseen overlaps.
     watches: bool,
     wide: Option<WideStepper<M>>,
+    /// Pairs whose contacts differed in the last step by some cause: in the next one, in all likelihood, they do again.
+    differing: BTreeSet<[u32; 2]>,
 }
 
 /// What the oracle decided in a step, or why it cannot make it.
@@ -130,7 +135,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let same = given.same_numbers(&rounded);
         let ideal = given.with_tolerances(set.ideal());
         let begin = dynamics.state().clone();
-        Ok(Lockstep { dynamics, begin, ideal, given, rounded, same, precision, links, watches: false, wide: None })
+        let (watches, wide, differing) = (false, None, BTreeSet::new());
+        Ok(Lockstep { dynamics, begin, ideal, given, rounded, same, precision, links, watches, wide, differing })
     }
 
     /// The same lockstep, which also looks for passages within its steps and for unseen overlaps after them.
@@ -208,10 +214,22 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         made: &Result<StepReport, StepError>,
         compared: &mut ComparedStep,
     ) {
-        let exact = self.rounded.step(start, KEPT_PRECISION);
+        let prepared = |blocks: &[Block]| -> Vec<PreparedBlock> { blocks.iter().map(PreparedBlock::new).collect() };
+        let blocks = self.rounded.blocks_at(start);
+        let solids = prepared(&blocks);
+        let here = ClassifiedBlocks::new(&blocks, &solids);
+        let contacts = here.contacts(&self.rounded, start, &self.differing);
+        let exact = self.rounded.step_with(start, KEPT_PRECISION, contacts);
+        // The first step is made from the scene as it is; every later state is the engine's own, in which the blocks of both scenes are the same.
+        let is_first = self.links == ComparedLinks::All && *before == self.begin;
+        let begin = is_first.then(|| self.given.begin()).filter(|begin| begin != start);
+        let begin_blocks = begin.as_ref().map_or(Vec::new(), |begin| self.given.blocks_at(begin));
+        let begin_solids = prepared(&begin_blocks);
+        let there = ClassifiedBlocks::new(&begin_blocks, &begin_solids);
         if self.links == ComparedLinks::All {
             let decided = exact.as_ref().map(StepDecisions::of_oracle).map_err(Clone::clone);
-            self.exact_links(before, start, &decided, compared);
+            let unrounded = begin.as_ref().map_or((start, &here), |begin| (begin, &there));
+            self.exact_links(unrounded, (start, &here), &decided, compared);
         }
         let attempts = self.dynamics.modes();
         compared.stepper = made.as_ref().ok().map(|r| StepDecisions::of_stepper(r, attempts, self.dynamics.state()));
@@ -219,7 +237,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         compared.undecided = exact.as_ref().map_or(0, |answer| answer.levels.undecided);
         match (&exact, made) {
             (Ok(exact), Ok(_)) => {
-                self.engine_link(before, start, compared);
+                self.engine_link(before, (start, &here), compared);
                 let after = exact_state(self.dynamics.state());
                 if let Ok(after) = &after {
                     compared.displacement = displacement_error(start, after, &exact.state);
@@ -248,20 +266,29 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             }
             (Err(failure), Err(stopped)) => compared.failure = format!("stepper: {stopped}; oracle: {failure}"),
         }
+        let differences = compared.differences.iter().map(|attributed| &attributed.difference);
+        let pair = |difference: &StepDifference| difference.contact.map(|(pair, _)| pair);
+        self.differing = differences.filter(|difference| difference.is_of_contacts()).filter_map(pair).collect();
     }
 
-    /// Tolerance and representation.
-    fn exact_links(&self, before: &State<R>, start: &exact::State, rounded: &OracleStep, compared: &mut ComparedStep) {
-        // The first step is made from the scene as it is; every later state is the engine's own.
-        let own_begin = (*before == self.begin).then(|| self.given.begin());
-        let unrounded = own_begin.as_ref().unwrap_or(start);
+    /// Tolerance and representation: of the state as it is without rounding, and as the engine has it.
+    fn exact_links<'b>(
+        &self,
+        (unrounded, unrounded_blocks): (&exact::State, &ClassifiedBlocks<'b>),
+        (start, here): (&exact::State, &ClassifiedBlocks<'b>),
+        rounded: &OracleStep,
+        compared: &mut ComparedStep,
+    ) {
+        let decided = |scene: &ExactScene| -> OracleStep {
+            let contacts = unrounded_blocks.contacts(scene, unrounded, &self.differing);
+            scene.decide_with(unrounded, contacts).map(|step| StepDecisions::of_certified(&step))
+        };
         let alike = self.same && unrounded == start;
-        let given = if alike { None } else { Some(decided(&self.given, unrounded)) };
+        let given = if alike { None } else { Some(decided(&self.given)) };
         let given = given.as_ref().unwrap_or(rounded);
-        let ideal = decided(&self.ideal, unrounded);
-        let blocks = self.given.blocks_at(unrounded);
+        let ideal = decided(&self.ideal);
         let (ideal_side, given_side) = (self.ideal.tolerances(), self.given.tolerances());
-        let side = |tolerances| LinkSide { blocks: &blocks, tolerances };
+        let side = |tolerances| LinkSide { blocks: unrounded_blocks, tolerances };
         let explainer =
             Explainer { before: side(ideal_side), after: side(given_side), roundoff: None, state: unrounded };
         let found = exact_differences(&ideal, given, &self.given.scene().shapes());
@@ -269,8 +296,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         if alike {
             return;
         }
-        let rounded_blocks = self.rounded.blocks_at(start);
-        let after = LinkSide { blocks: &rounded_blocks, tolerances: self.rounded.tolerances() };
+        let after = LinkSide { blocks: here, tolerances: self.rounded.tolerances() };
         let explainer =
             Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
         let found = exact_differences(given, rounded, &self.given.scene().shapes());
@@ -282,7 +308,12 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     }
 
     /// Arithmetic and defects.
-    fn engine_link(&mut self, before: &State<R>, start: &exact::State, compared: &mut ComparedStep) {
+    fn engine_link(
+        &mut self,
+        before: &State<R>,
+        (start, here): (&exact::State, &ClassifiedBlocks<'_>),
+        compared: &mut ComparedStep,
+    ) {
         let (Some(stepper), Some(oracle)) = (&compared.stepper, &compared.oracle) else { return };
         let shapes = self.rounded.scene().shapes();
         let found = compare(oracle, stepper, &shapes);
@@ -300,8 +331,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             }
             _ => Vec::new(),
         };
-        let blocks = self.rounded.blocks_at(start);
-        let side = LinkSide { blocks: &blocks, tolerances: self.rounded.tolerances() };
+        let side = LinkSide { blocks: here, tolerances: self.rounded.tolerances() };
         let explainer =
             Explainer { before: side, after: side, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
         let set = self.rounded.tolerances();
@@ -346,13 +376,18 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             .map(|all| all.iter().map(|mode| crate::lockstep::state::float_mode(*mode)).collect())
             .collect();
         let attempt = PrescribedAttempt { time_step: answer.time_step, modes: &modes };
-        let depth = |attempt| {
+        let after = |attempt| {
             let mut again = self.dynamics.clone();
             again.restore(before.clone()).ok()?;
             again.step_prescribed(&PrescribedStep { contacts: &answer.contacts, attempt }).ok()?;
-            penetration(&self.rounded, &exact_state(again.state()).ok()?)
+            exact_state(again.state()).ok()
         };
-        Some(StepPenetrations { stepper, contacts: depth(None)?, modes: depth(Some(attempt))?, oracle })
+        let depth = |state: &exact::State| penetration(&self.rounded, state);
+        let [by_contacts, by_modes] = [after(None)?, after(Some(attempt))?];
+        let contacts = depth(&by_contacts)?;
+        // Where the stepper comes to the oracle's modes by itself, it ends in the same state.
+        let modes = if by_modes == by_contacts { contacts } else { depth(&by_modes)? };
+        Some(StepPenetrations { stepper, contacts, modes, oracle })
     }
 }
 
@@ -365,10 +400,6 @@ pub(super) fn wide_stepper<'w, M: StepRules>(
         *wide = WideStepper::new(scene).ok();
     }
     wide.as_mut()
-}
-
-fn decided(scene: &ExactScene, state: &exact::State) -> OracleStep {
-    scene.decide(state).map(|step| StepDecisions::of_certified(&step))
 }
 
 fn exact_differences(before: &OracleStep, after: &OracleStep, shapes: &[&Block]) -> Vec<StepDifference> {

@@ -4,7 +4,8 @@ use crate::lockstep::run::KEPT_EXPONENT;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::simulation::{JointProperties, Simulation};
-use rockproof_model::{Block, Body, Number, Precision, Scene, ToleranceSet, Vec3};
+use rockproof_model::{Block, Body, Contact, Number, Precision, Scene, ToleranceSet, Vec3};
+use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::step::{
     self, CertifiedStep, EnclosedStep, KeptPrecision, ModeMargin, StepAnswer, StepFailure, StepModel,
 };
@@ -13,6 +14,9 @@ use rockproof_oracle::step::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` overflows in the engine's precision")]
 pub struct NumberOverflow(pub &'static str);
+
+/// Contacts with their blocks, by pair and in SPEC order.
+pub(super) type BlockContacts = Vec<([usize; 2], Contact)>;
 
 /// Everything of a scene that does not change from step to step, owned.
 #[derive(Clone, Debug)]
@@ -99,6 +103,36 @@ impl ExactScene {
     /// Why the oracle cannot make it.
     pub fn decide(&self, state: &step::State) -> Result<CertifiedStep, StepFailure> {
         self.with_model(|model| step::certified_step(model, state))
+    }
+
+    /// As [`ExactScene::step`], with the contacts that it would find.
+    ///
+    /// # Errors
+    /// Why the oracle cannot make it.
+    pub(super) fn step_with(
+        &self,
+        state: &step::State,
+        keep: KeptPrecision,
+        contacts: BlockContacts,
+    ) -> Result<StepAnswer, StepFailure> {
+        self.with_model(|model| step::exact_step_with(model, state, keep, contacts))
+    }
+
+    /// As [`ExactScene::decide`], with the contacts that it would find.
+    ///
+    /// # Errors
+    /// Why the oracle cannot make it.
+    pub(super) fn decide_with(
+        &self,
+        state: &step::State,
+        contacts: BlockContacts,
+    ) -> Result<CertifiedStep, StepFailure> {
+        self.with_model(|model| step::certified_step_with(model, state, contacts))
+    }
+
+    /// The pairs of blocks that a step classifies.
+    pub(super) fn neighbours(&self, solids: &[PreparedBlock]) -> Vec<[usize; 2]> {
+        self.with_model(|model| step::neighbours(model, solids))
     }
 
     /// What one step decides, and how it moves the blocks.

@@ -5,7 +5,7 @@ use crate::lockstep::scene::ExactScene;
 use crate::lockstep::state::converted;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use rockproof_model::ToleranceSet;
-use rockproof_stepper::dynamics::{Dynamics, PrescribedStep, SetupError, State, StepError, StepRules};
+use rockproof_stepper::dynamics::{Dynamics, SetupError, State, StepError, StepRules};
 use rockproof_stepper::real::Real;
 use rockproof_stepper::wide::{BITS, Wide, count_unsettled, in_bits};
 
@@ -87,17 +87,15 @@ impl<M: StepRules> WideStepper<M> {
                 count_unsettled(|| in_bits(FEWER_BITS, || in_fewer_bits.restore(state.clone())));
             restored.ok()?;
             let (contacts, in_contacts) = in_fewer_bits.filtered_contacts(set)?;
-            let prescribed = PrescribedStep { contacts: &contacts, attempt: None };
-            let work = || in_bits(FEWER_BITS, || in_fewer_bits.step_prescribed(&prescribed));
-            let (report, in_iteration) = count_unsettled(work);
-            if let (Ok(report), 0) = (report, in_restoring + in_iteration) {
-                let outcome = Ok(StepDecisions::of_stepper(&report, in_fewer_bits.modes(), in_fewer_bits.state()));
+            let work = || in_bits(FEWER_BITS, || in_fewer_bits.decide_prescribed(&contacts));
+            let (decided, in_iteration) = count_unsettled(work);
+            if let (Ok(decided), 0) = (decided, in_restoring + in_iteration) {
+                let outcome = Ok(StepDecisions::of_decided(contacts, &decided, in_fewer_bits.modes()));
                 return Some(WideDecisions { outcome, unsettled: in_contacts });
             }
-            let work = || dynamics.restore(state).map(|()| dynamics.step_prescribed(&prescribed));
-            let (report, besides) = count_unsettled(work);
-            let outcome =
-                report.ok()?.map(|report| StepDecisions::of_stepper(&report, dynamics.modes(), dynamics.state()));
+            let work = || dynamics.restore(state).map(|()| dynamics.decide_prescribed(&contacts));
+            let (decided, besides) = count_unsettled(work);
+            let outcome = decided.ok()?.map(|decided| StepDecisions::of_decided(contacts, &decided, dynamics.modes()));
             Some(WideDecisions { outcome, unsettled: in_contacts + besides })
         })
     }

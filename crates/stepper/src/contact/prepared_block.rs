@@ -245,6 +245,34 @@ impl<R: Real> PreparedBlock<R> {
         corners[..asked].iter().map(distance).fold(R::ZERO, R::larger)
     }
 
+    /// The longest side of its box, nearly (m).
+    pub(crate) fn extent(&self) -> f64 {
+        let sides = (self.bounds.high - self.bounds.low).components();
+        sides.into_iter().map(R::to_f64).fold(0.0, f64::max)
+    }
+
+    /// Whether all lengths of edges, all areas of faces and the volume are above a share of what a length makes of them, and no edge is inclined to the
+    /// plane of a face of it by more than a quarter. All of that as f64 has it.
+    pub(crate) fn has_extent_beyond(&self, length: f64, share: f64) -> bool {
+        let float = |v: Vector<R>| {
+            let [x, y, z] = v.components().map(R::to_f64);
+            Vector::new(x, y, z)
+        };
+        let origin = float(self.vertices[0].at);
+        let areas: Vec<Vector<f64>> = self.faces.iter().map(|face| float(face.area)).collect();
+        let heights = self.faces.iter().map(|face| float(face.point) - origin);
+        let six_volumes: f64 = areas.iter().zip(heights).map(|(area, height)| area.dot(height)).sum();
+        let is_long = |edge: &PreparedEdge<R>| {
+            let direction = float(edge.direction);
+            let inclined = |face: FaceId| float(self.face(face).normal).dot(direction).abs();
+            edge.length.to_f64() > share * length
+                && [edge.edge.left, edge.edge.right].map(inclined).iter().all(|&i| i < 0.25)
+        };
+        six_volumes > share * length * length * length
+            && areas.iter().all(|area| area.length() > share * length * length)
+            && self.edges.iter().all(is_long)
+    }
+
     /// Greatest distance of a vertex of the left and of the right face from an edge's line.
     #[inline]
     pub fn widths(&self, edge: EdgeId) -> [R; 2] {

@@ -4,6 +4,7 @@
 //! of [`CompiledSteps`], which have no type parameter left. Steps by other rules, those of tests, take the generic way.
 
 use crate::contact::SpecRules;
+use crate::dynamics::decided::DecidedStep;
 use crate::dynamics::prescribed::PrescribedStep;
 use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::setup::SetupError;
@@ -11,7 +12,7 @@ use crate::dynamics::state::State;
 use crate::dynamics::step::Dynamics;
 use crate::real::Real;
 use crate::wide::Wide;
-use rockproof_model::{Scene, ToleranceSet};
+use rockproof_model::{Contact, Scene, ToleranceSet};
 
 /// What [`Dynamics`] does by the rules of SPEC in this scalar.
 pub trait CompiledSteps: Real {
@@ -35,6 +36,15 @@ pub trait CompiledSteps: Real {
         dynamics: &mut Dynamics<Self, SpecRules>,
         prescribed: Option<&PrescribedStep<'_>>,
     ) -> Result<StepReport, StepError>;
+
+    /// [`Dynamics::decide_prescribed`].
+    ///
+    /// # Errors
+    /// As there.
+    fn decide(
+        dynamics: &mut Dynamics<Self, SpecRules>,
+        contacts: &[([u32; 2], Contact)],
+    ) -> Result<DecidedStep, StepError>;
 }
 
 macro_rules! compiled {
@@ -53,6 +63,11 @@ macro_rules! compiled {
             #[inline(never)]
             fn step(dynamics: &mut Dynamics<Self, SpecRules>, prescribed: Option<&PrescribedStep<'_>>) -> Result<StepReport, StepError> {
                 dynamics.make_step(prescribed)
+            }
+
+            #[inline(never)]
+            fn decide(dynamics: &mut Dynamics<Self, SpecRules>, contacts: &[([u32; 2], Contact)]) -> Result<DecidedStep, StepError> {
+                dynamics.make_decisions(contacts)
             }
         }
     )*};

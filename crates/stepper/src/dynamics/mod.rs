@@ -15,6 +15,7 @@ mod compiled;
 mod conjugate_gradients;
 mod contact;
 mod control;
+mod decided;
 pub mod displacement;
 pub mod elimination_order;
 mod factor;
@@ -45,6 +46,7 @@ mod transfer;
 mod unchanged;
 mod update;
 
+pub use decided::DecidedStep;
 pub use filtered_contacts::BlockContacts;
 pub use neighbour_list::skin;
 pub use prescribed::{PrescribedAttempt, PrescribedStep};

@@ -253,14 +253,13 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
 
     pub(super) fn make_step(&mut self, prescribed: Option<&PrescribedStep<'_>>) -> Result<StepReport, StepError> {
         let settling = self.state.settling > 0;
-        let number = if settling { 1 - i64::from(self.state.settling) } else { self.state.step as i64 + 1 };
-        let mut contacts = match prescribed {
+        let number = self.next_number();
+        let contacts = match prescribed {
             None => self.contacts(),
             Some(prescribed) => self.prescribed_contacts(prescribed.contacts),
         };
         let begun = Instant::now();
-        self.first_modes = contacts.iter().map(|contact| contact.begins).collect();
-        self.modes.clear();
+        let mut contacts = self.begin_step(contacts);
         let accepted = match prescribed.and_then(|prescribed| prescribed.attempt.as_ref()) {
             None => self.attempts(&mut contacts, number, settling)?,
             Some(attempt) => self.prescribed_attempt(&mut contacts, attempt, number, settling)?,
@@ -275,6 +274,19 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             self.neighbours.forget_features();
         }
         report
+    }
+
+    /// The number of the next step.
+    pub(super) fn next_number(&self) -> i64 {
+        let settling = self.state.settling;
+        if settling > 0 { 1 - i64::from(settling) } else { self.state.step as i64 + 1 }
+    }
+
+    /// Takes note of how the contacts of a step begin, and hands them on.
+    pub(super) fn begin_step(&mut self, contacts: Vec<StepContact<R>>) -> Vec<StepContact<R>> {
+        self.first_modes = contacts.iter().map(|contact| contact.begins).collect();
+        self.modes.clear();
+        contacts
     }
 
     /// The contacts at the start of a step, with what they remember.

@@ -5,6 +5,7 @@
 
 use crate::contact::{ContactRules, SpecRules};
 use crate::dynamics::compiled::CompiledSteps;
+use crate::dynamics::decided::DecidedStep;
 use crate::dynamics::prescribed::PrescribedStep;
 use crate::dynamics::report::{StepError, StepReport};
 use crate::dynamics::setup::SetupError;
@@ -13,7 +14,7 @@ use crate::dynamics::state::{Mode, State};
 use crate::dynamics::step::Dynamics;
 use crate::real::Real;
 use rockproof_model::simulation::Control;
-use rockproof_model::{Scene, ToleranceSet};
+use rockproof_model::{Contact, Scene, ToleranceSet};
 
 /// What a closed contact bears across its normal.
 #[derive(Clone, Copy, Debug)]
@@ -194,6 +195,18 @@ pub trait StepRules: ContactRules {
     {
         dynamics.make_step(prescribed)
     }
+
+    /// Makes the decisions of a step by these rules: [`Dynamics::decide_prescribed`].
+    #[doc(hidden)]
+    fn decide_step<R: Solve>(
+        dynamics: &mut Dynamics<R, Self>,
+        contacts: &[([u32; 2], Contact)],
+    ) -> Result<DecidedStep, StepError>
+    where
+        Self: Sized,
+    {
+        dynamics.make_decisions(contacts)
+    }
 }
 
 impl StepRules for SpecRules {
@@ -210,5 +223,12 @@ impl StepRules for SpecRules {
         prescribed: Option<&PrescribedStep<'_>>,
     ) -> Result<StepReport, StepError> {
         <R as CompiledSteps>::step(dynamics, prescribed)
+    }
+
+    fn decide_step<R: Solve>(
+        dynamics: &mut Dynamics<R, SpecRules>,
+        contacts: &[([u32; 2], Contact)],
+    ) -> Result<DecidedStep, StepError> {
+        <R as CompiledSteps>::decide(dynamics, contacts)
     }
 }

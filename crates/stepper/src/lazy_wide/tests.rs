@@ -1,4 +1,5 @@
 use super::ball::Ball;
+use super::notes::MAX_NOTES;
 use super::*;
 use crate::wide::count_unsettled;
 use num_bigint::BigInt;
@@ -176,4 +177,21 @@ fn work_of_any_length_ends() {
     assert_eq!(compared(3), Some((true, 1)), "nothing is left of the work before");
     let whole = noted(|| Wide::of_integer(&BigInt::from(7)).partial_cmp(&LazyWide::from_f64(7.0).wide()));
     assert_eq!(whole, Some(Some(Ordering::Equal)));
+}
+
+/// What is nearly a tie of f64 is none of 128 bits; what is nearly one of these takes all bits; a tie is one of all.
+#[test]
+fn all_bits_are_asked_only_where_fewer_leave_a_comparison_open() {
+    for (exponent, order, longest) in
+        [(-60, Ordering::Greater, false), (-140, Ordering::Greater, true), (-600, Ordering::Equal, true)]
+    {
+        let compared = noted(|| {
+            let third = LazyWide::from_f64(1.0) / LazyWide::from_f64(3.0);
+            let more = LazyWide::from_f64(2f64.powi(exponent)) * third;
+            let found = count_unsettled(|| (third + more).partial_cmp(&third));
+            (found, NOTES.with_borrow(|notes| [notes.short.numbers.is_empty(), notes.long.numbers.is_empty()]))
+        });
+        let unsettled = u64::from(order.is_eq());
+        assert_eq!(compared, Some(((Some(order), unsettled), [false, !longest])), "1/3 + 2^{exponent}/3");
+    }
 }
