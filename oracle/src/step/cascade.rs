@@ -2,7 +2,7 @@
 
 use super::approximate::{Approximate, Layout};
 use super::attempt::Attempt;
-use super::attempt_state::AttemptState;
+use super::attempt_values::AttemptValues;
 use super::decisions::StepDecision;
 use super::state::Mode;
 use super::system::{StepNumber, StepSupport, StiffnessBound, stiffness};
@@ -64,25 +64,25 @@ enum Geometry {
 /// One number type of the cascade, made when first asked.
 enum Level<'a, S> {
     Unused,
-    Ready(Box<AttemptState<'a, S>>),
+    Ready(Box<AttemptValues<'a, S>>),
     /// It failed, and will again.
     Failed,
 }
 
 impl<'a, S: StepNumber> Level<'a, S> {
-    fn begin(&mut self, attempt: &'a Attempt<'a>, bits: u32, geometry: Geometry) -> Option<&mut AttemptState<'a, S>> {
+    fn begin(&mut self, attempt: &'a Attempt<'a>, bits: u32, geometry: Geometry) -> Option<&mut AttemptValues<'a, S>> {
         if matches!(self, Level::Unused) {
-            let chain = AttemptState::new(attempt, bits);
-            let chain = if geometry == Geometry::Whole { chain.complete() } else { Some(chain) };
-            *self = chain.map_or(Level::Failed, |chain| Level::Ready(Box::new(chain)));
+            let values = AttemptValues::new(attempt, bits);
+            let values = if geometry == Geometry::Whole { values.complete() } else { Some(values) };
+            *self = values.map_or(Level::Failed, |values| Level::Ready(Box::new(values)));
         }
         match self {
-            Level::Ready(chain) => Some(chain),
+            Level::Ready(values) => Some(values),
             _ => None,
         }
     }
 
-    /// The chain with all solves up to now, if this type can make them; `start` has what a cheaper type found in a solve.
+    /// The values with all solves up to now, if this type can make them; `start` has what a cheaper type found in a solve.
     fn caught_up(
         &mut self,
         attempt: &'a Attempt<'a>,
@@ -90,12 +90,12 @@ impl<'a, S: StepNumber> Level<'a, S> {
         geometry: Geometry,
         history: &History,
         start: impl Fn(usize) -> Option<Vec<S>>,
-    ) -> Option<&AttemptState<'a, S>> {
+    ) -> Option<&AttemptValues<'a, S>> {
         let mut failed = false;
-        if let Some(chain) = self.begin(attempt, bits, geometry) {
-            while chain.iterates.len() < history.modes.len() && !failed {
-                let next = chain.iterates.len();
-                failed = chain.advance(&history.modes[next], history.support(next).as_ref(), start(next)).is_none();
+        if let Some(values) = self.begin(attempt, bits, geometry) {
+            while values.solves.len() < history.modes.len() && !failed {
+                let next = values.solves.len();
+                failed = values.advance(&history.modes[next], history.support(next).as_ref(), start(next)).is_none();
             }
         }
         if failed {
@@ -104,17 +104,17 @@ impl<'a, S: StepNumber> Level<'a, S> {
         self.ready()
     }
 
-    fn ready(&self) -> Option<&AttemptState<'a, S>> {
+    fn ready(&self) -> Option<&AttemptValues<'a, S>> {
         match self {
-            Level::Ready(chain) => Some(chain),
+            Level::Ready(values) => Some(values),
             _ => None,
         }
     }
 
     /// What it found in a solve, in another type.
     fn found<T>(&self, solve: usize, convert: impl Fn(&S) -> Option<T>) -> Option<Vec<T>> {
-        let iterate = self.ready()?.iterates.get(solve)?;
-        iterate.solution().map(convert).collect()
+        let solve = self.ready()?.solves.get(solve)?;
+        solve.solution().map(convert).collect()
     }
 }
 
@@ -161,18 +161,18 @@ impl<'a> Cascade<'a> {
     /// but parallel.
     fn first<T>(
         &mut self,
-        float: impl FnOnce(&AttemptState<'a, Ball>) -> Option<T>,
-        double: impl FnOnce(&AttemptState<'a, DoubleBall>) -> Option<T>,
-        wide: impl FnOnce(&AttemptState<'a, WideBall>) -> Option<T>,
+        float: impl FnOnce(&AttemptValues<'a, Ball>) -> Option<T>,
+        double: impl FnOnce(&AttemptValues<'a, DoubleBall>) -> Option<T>,
+        wide: impl FnOnce(&AttemptValues<'a, WideBall>) -> Option<T>,
     ) -> Option<T> {
-        if let Some(chain) = self.float.begin(self.attempt, 53, Geometry::Whole) {
-            return float(chain);
+        if let Some(values) = self.float.begin(self.attempt, 53, Geometry::Whole) {
+            return float(values);
         }
-        if let Some(chain) = self.double.begin(self.attempt, 106, Geometry::Whole) {
-            return double(chain);
+        if let Some(values) = self.double.begin(self.attempt, 106, Geometry::Whole) {
+            return double(values);
         }
         let [least, ..] = WIDE_BITS;
-        self.wide[0].begin(self.attempt, least, Geometry::Whole).and_then(|chain| wide(chain))
+        self.wide[0].begin(self.attempt, least, Geometry::Whole).and_then(|values| wide(values))
     }
 
     /// The modes of each solve so far.
@@ -191,9 +191,9 @@ impl<'a> Cascade<'a> {
             None => {
                 let layout = self.layout;
                 let factor = self.first(
-                    |chain| stiffness(chain, &modes, layout)?.factor(),
-                    |chain| stiffness(chain, &modes, layout)?.factor(),
-                    |chain| stiffness(chain, &modes, layout)?.factor(),
+                    |values| stiffness(values, &modes, layout)?.factor(),
+                    |values| stiffness(values, &modes, layout)?.factor(),
+                    |values| stiffness(values, &modes, layout)?.factor(),
                 );
                 factor.map(Rc::new)
             }
@@ -205,25 +205,25 @@ impl<'a> Cascade<'a> {
     /// The factor of a solve in which contacts slide as the solve before left them, from the cheapest type that knows how.
     fn sliding_factor(&mut self, modes: &[Mode]) -> Option<Rc<Approximate>> {
         let layout = self.layout;
-        let float = self.float().and_then(|chain| stiffness(chain, modes, layout));
-        let double = float.or_else(|| self.double().and_then(|chain| stiffness(chain, modes, layout)));
-        let wide = |cascade: &mut Self, k| cascade.wide(k).and_then(|chain| stiffness(chain, modes, layout));
+        let float = self.float().and_then(|values| stiffness(values, modes, layout));
+        let double = float.or_else(|| self.double().and_then(|values| stiffness(values, modes, layout)));
+        let wide = |cascade: &mut Self, k| cascade.wide(k).and_then(|values| stiffness(values, modes, layout));
         double.or_else(|| wide(self, 0)).or_else(|| wide(self, 1))?.factor().map(Rc::new)
     }
 
     /// The answer of the cheapest level that has one; `None` is undecided, and counted.
     pub(crate) fn ask<Q: StepDecision>(&mut self, question: &Q) -> Option<Q::Answer> {
-        if let Some(answer) = self.float().and_then(|chain| question.ask(chain)) {
+        if let Some(answer) = self.float().and_then(|values| question.ask(values)) {
             self.levels.float += 1;
             return Some(answer);
         }
-        if let Some(answer) = self.double().and_then(|chain| question.ask(chain)) {
+        if let Some(answer) = self.double().and_then(|values| question.ask(values)) {
             self.levels.double += 1;
             return Some(answer);
         }
         // A tie of blocks that fall together, in all likelihood: fractions prove it, and balls would not.
         if question.contact().is_some_and(|k| self.may_move_freely(k))
-            && let Some(answer) = self.exact().and_then(|chain| question.ask(chain))
+            && let Some(answer) = self.exact().and_then(|values| question.ask(values))
         {
             self.levels.exact += 1;
             return Some(answer);
@@ -231,18 +231,18 @@ impl<'a> Cascade<'a> {
         let asked = if self.attempt.sizes.iter().sum::<usize>() > LARGE { 2 } else { WIDE_BITS.len() };
         for k in 0..asked {
             if k == 2
-                && let Some(answer) = self.exact().and_then(|chain| question.ask(chain))
+                && let Some(answer) = self.exact().and_then(|values| question.ask(values))
             {
                 self.levels.exact += 1;
                 return Some(answer);
             }
-            if let Some(answer) = self.wide(k).and_then(|chain| question.ask(chain)) {
+            if let Some(answer) = self.wide(k).and_then(|values| question.ask(values)) {
                 self.levels.wide[k] += 1;
                 return Some(answer);
             }
         }
         if asked <= 2
-            && let Some(answer) = self.exact().and_then(|chain| question.ask(chain))
+            && let Some(answer) = self.exact().and_then(|values| question.ask(values))
         {
             self.levels.exact += 1;
             return Some(answer);
@@ -259,8 +259,8 @@ impl<'a> Cascade<'a> {
             return false;
         }
         if self.forceless.solves != modes.len() {
-            let Some(chain) = self.double.ready() else { return false };
-            let may_be = chain.blocks_without_force().unwrap_or_default();
+            let Some(values) = self.double.ready() else { return false };
+            let may_be = values.blocks_without_force().unwrap_or_default();
             self.forceless = ForcelessBlocks { solves: modes.len(), may_be };
         }
         attempt.started[k]
@@ -269,21 +269,21 @@ impl<'a> Cascade<'a> {
             .all(|&block| attempt.rows[block].is_none() || self.forceless.may_be.get(block) == Some(&true))
     }
 
-    /// The chain in f64 balls.
-    pub(crate) fn float(&mut self) -> Option<&AttemptState<'a, Ball>> {
+    /// The values in f64 balls.
+    pub(crate) fn float(&mut self) -> Option<&AttemptValues<'a, Ball>> {
         self.float.caught_up(self.attempt, 53, Geometry::Whole, &self.history, |_| None)
     }
 
-    /// The chain in balls of two f64.
-    pub(crate) fn double(&mut self) -> Option<&AttemptState<'a, DoubleBall>> {
+    /// The values in balls of two f64.
+    pub(crate) fn double(&mut self) -> Option<&AttemptValues<'a, DoubleBall>> {
         let float = &self.float;
         let near = |x: &Ball| x.middle.is_finite().then_some(DoubleBall { high: x.middle, low: 0.0, radius: 0.0 });
         let start = |solve| float.found(solve, near);
         self.double.caught_up(self.attempt, 106, Geometry::Whole, &self.history, start)
     }
 
-    /// The chain in balls of [`WIDE_BITS`]`[k]`.
-    fn wide(&mut self, k: usize) -> Option<&AttemptState<'a, WideBall>> {
+    /// The values in balls of [`WIDE_BITS`]`[k]`.
+    fn wide(&mut self, k: usize) -> Option<&AttemptValues<'a, WideBall>> {
         let level = std::mem::replace(&mut self.wide[k], Level::Unused);
         self.wide[k] = self.wider(level, WIDE_BITS[k]);
         self.wide[k].ready()
@@ -305,22 +305,22 @@ impl<'a> Cascade<'a> {
         level
     }
 
-    /// The chain in fractions, where the forces are rational and no island is too large.
-    pub(crate) fn exact(&mut self) -> Option<&AttemptState<'a, BigRational>> {
+    /// The values in fractions, where the forces are rational and no island is too large.
+    pub(crate) fn exact(&mut self) -> Option<&AttemptValues<'a, BigRational>> {
         // Where balls have calculated all geometry there is all of it: then fractions calculate what they are asked for.
         let geometry = if self.history.bound.is_some() { Geometry::Asked } else { Geometry::Whole };
-        if let Some(chain) = self.exact.begin(self.attempt, 0, geometry) {
-            chain.is_definite = self.history.bound.is_some();
+        if let Some(values) = self.exact.begin(self.attempt, 0, geometry) {
+            values.is_definite = self.history.bound.is_some();
         }
         self.exact.caught_up(self.attempt, 0, geometry, &self.history, |_| None)
     }
 
-    /// A chain with so many bits.
-    pub(crate) fn with_bits(&mut self, bits: u32) -> Option<Box<AttemptState<'a, WideBall>>> {
+    /// The values in so many bits.
+    pub(crate) fn with_bits(&mut self, bits: u32) -> Option<Box<AttemptValues<'a, WideBall>>> {
         let known = WIDE_BITS.iter().position(|&known| known == bits);
         let level = known.map_or(Level::Unused, |k| std::mem::replace(&mut self.wide[k], Level::Unused));
         match self.wider(level, bits) {
-            Level::Ready(chain) => Some(chain),
+            Level::Ready(values) => Some(values),
             _ => None,
         }
     }

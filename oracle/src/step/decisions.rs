@@ -1,6 +1,6 @@
 //! The decisions of a step, each asked of one number type (SPEC 5.9, 5.11 and 5.12): `None` where that cannot tell.
 
-use super::attempt_state::AttemptState;
+use super::attempt_values::AttemptValues;
 use super::frame;
 use super::friction::SlipForce;
 use super::state::Mode;
@@ -12,7 +12,7 @@ use rockproof_model::{Sign, Vec3};
 /// A question that any level can be asked.
 pub(crate) trait StepDecision {
     type Answer;
-    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Self::Answer>;
+    fn ask<S: StepNumber>(&self, values: &AttemptValues<'_, S>) -> Option<Self::Answer>;
     /// The contact it is about, if it is about one.
     fn contact(&self) -> Option<usize> {
         None
@@ -30,13 +30,13 @@ impl StepDecision for NextMode {
     fn contact(&self) -> Option<usize> {
         Some(self.contact)
     }
-    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Mode> {
+    fn ask<S: StepNumber>(&self, values: &AttemptValues<'_, S>) -> Option<Mode> {
         let k = self.contact;
-        let (contact, joint, iterate) = (chain.contact(k)?, &chain.joints[k], chain.iterates.last()?);
-        let gap = chain.gap(iterate, k)?;
+        let (contact, joint, solve) = (values.contact(k)?, &values.joints[k], values.solves.last()?);
+        let gap = values.gap(solve, k)?;
         // Homogeneous in |N|: squares are compared, so no root is taken.
         let square = gap.squared();
-        if square.minus(&chain.limits.equal.times(&contact.gap.squared())).certain_sign()?.is_at_most_zero() {
+        if square.minus(&values.limits.equal.times(&contact.gap.squared())).certain_sign()?.is_at_most_zero() {
             return Some(self.mode);
         }
         let beyond = |square: &S, limit: &S| {
@@ -44,25 +44,25 @@ impl StepDecision for NextMode {
             Some(square.minus(&limit).certain_sign()?.is_positive())
         };
         let closed = match self.mode {
-            Mode::Open => gap.certain_sign()?.is_negative() && beyond(&square, &chain.limits.close)?,
+            Mode::Open => gap.certain_sign()?.is_negative() && beyond(&square, &values.limits.close)?,
             _ => {
                 // h − tension·area/p_n beyond εo, times |N|.
                 let stretched = gap.minus(&joint.tensile);
-                !(stretched.certain_sign()?.is_positive() && beyond(&stretched.squared(), &chain.limits.open)?)
+                !(stretched.certain_sign()?.is_positive() && beyond(&stretched.squared(), &values.limits.open)?)
             }
         };
         if !closed {
             return Some(Mode::Open);
         }
-        if chain.attempt.settling {
+        if values.attempt.settling {
             return Some(Mode::Locked);
         }
         // p_s²|s|² ≤ τ², times |N|².
-        let s = chain.stretch(iterate, k)?;
+        let s = values.stretch(solve, k)?;
         let shear = joint.shear.squared().times(&s.norm_squared()).times(&contact.square);
-        let excess = shear.minus(&chain.strength(k, gap)?.squared());
+        let excess = shear.minus(&values.strength(k, gap)?.squared());
         let held = excess.certain_sign().map(Sign::is_at_most_zero);
-        let turned = iterate.friction[k].as_ref().map_or(Some(false), |slip| has_turned(slip, s));
+        let turned = solve.friction[k].as_ref().map_or(Some(false), |slip| has_turned(slip, s));
         match (held, turned) {
             (Some(true), _) | (_, Some(true)) => Some(Mode::Locked),
             (Some(false), Some(false)) => Some(Mode::Sliding),
@@ -94,9 +94,9 @@ pub(crate) const SETTLED: i32 = 100;
 
 impl StepDecision for FrictionSettled<'_> {
     type Answer = bool;
-    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<bool> {
-        let iterate = chain.iterates.last()?;
-        let excess = chain.force_changes(iterate, self.modes)?;
+    fn ask<S: StepNumber>(&self, values: &AttemptValues<'_, S>) -> Option<bool> {
+        let solve = values.solves.last()?;
+        let excess = values.force_changes(solve, self.modes)?;
         let excess = excess.iter().map(|[change, pressure]| change.times(&S::from_i32(SETTLED)).minus(pressure));
         let signs: Vec<Option<Sign>> = excess.map(|excess| excess.certain_sign()).collect();
         if signs.iter().flatten().any(|sign| sign.is_positive()) {
@@ -111,13 +111,13 @@ pub(crate) struct DisplacementExceeded;
 
 impl StepDecision for DisplacementExceeded {
     type Answer = Option<usize>;
-    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
-        let iterate = chain.iterates.last()?;
-        for (block, _) in chain.attempt.moving() {
-            let (moments, d) = (chain.moments(block)?, chain.displacement(iterate, block)?);
+    fn ask<S: StepNumber>(&self, values: &AttemptValues<'_, S>) -> Option<Option<usize>> {
+        let solve = values.solves.last()?;
+        for (block, _) in values.attempt.moving() {
+            let (moments, d) = (values.moments(block)?, values.displacement(solve, block)?);
             for vertex in &moments.points {
                 let moved = frame::displacement(&vertex.minus(&moments.centroid), d);
-                if moved.norm_squared().minus(&chain.limits.displacement).certain_sign()?.is_positive() {
+                if moved.norm_squared().minus(&values.limits.displacement).certain_sign()?.is_positive() {
                     return Some(Some(block));
                 }
             }
@@ -131,12 +131,12 @@ pub(crate) struct RotationExceeded;
 
 impl StepDecision for RotationExceeded {
     type Answer = Option<usize>;
-    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
-        let iterate = chain.iterates.last()?;
-        for (block, _) in chain.attempt.moving() {
-            let d = chain.displacement(iterate, block)?;
+    fn ask<S: StepNumber>(&self, values: &AttemptValues<'_, S>) -> Option<Option<usize>> {
+        let solve = values.solves.last()?;
+        for (block, _) in values.attempt.moving() {
+            let d = values.displacement(solve, block)?;
             let turn = Vec3::new(d[3].clone(), d[4].clone(), d[5].clone());
-            if turn.norm_squared().minus(&chain.limits.rotation).certain_sign()?.is_positive() {
+            if turn.norm_squared().minus(&values.limits.rotation).certain_sign()?.is_positive() {
                 return Some(Some(block));
             }
         }
@@ -150,14 +150,14 @@ pub(crate) struct Inverted;
 
 impl StepDecision for Inverted {
     type Answer = Option<usize>;
-    fn ask<S: StepNumber>(&self, chain: &AttemptState<'_, S>) -> Option<Option<usize>> {
-        let iterate = chain.iterates.last()?;
-        let turns = chain.attempt.model.simulation.control.kinematics == Kinematics::Linear;
+    fn ask<S: StepNumber>(&self, values: &AttemptValues<'_, S>) -> Option<Option<usize>> {
+        let solve = values.solves.last()?;
+        let turns = values.attempt.model.simulation.control.kinematics == Kinematics::Linear;
         let [zero, one] = [0, 1].map(S::from_i32);
         let axes = [[&one, &zero, &zero], [&zero, &one, &zero], [&zero, &zero, &one]];
-        for (block, _) in chain.attempt.moving() {
+        for (block, _) in values.attempt.moving() {
             // Translations change no volume, and under `cayley` rotations are rotations.
-            let mut d = chain.displacement(iterate, block)?.clone();
+            let mut d = values.displacement(solve, block)?.clone();
             d.iter_mut().take(if turns { 3 } else { 6 }).for_each(|value| *value = zero.clone());
             let [a, b, c] = axes.map(|[x, y, z]| {
                 let axis = Vec3::new(x.clone(), y.clone(), z.clone());

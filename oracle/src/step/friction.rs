@@ -1,8 +1,8 @@
 //! The tangential forces of contacts (SPEC 5.8 and 5.9): what friction does to a sliding one, and how far that is from what
 //! its last solve asks for.
 
-use super::attempt_state::AttemptState;
-use super::iterate::Iterate;
+use super::attempt_solve::AttemptSolve;
+use super::attempt_values::AttemptValues;
 use super::state::Mode;
 use super::system::StepNumber;
 use crate::field::Field;
@@ -41,7 +41,7 @@ impl<S: Field> SlipForce<S> {
     }
 }
 
-impl<S: StepNumber> AttemptState<'_, S> {
+impl<S: StepNumber> AttemptValues<'_, S> {
     /// What friction does in the next solve to each contact that slides in these modes. `None` where this type has no such root, or
     /// cannot tell a slip from none.
     pub(crate) fn friction(&self, modes: &[Mode]) -> Option<Vec<Option<SlipForce<S>>>> {
@@ -51,9 +51,9 @@ impl<S: StepNumber> AttemptState<'_, S> {
 
     fn slip(&self, k: usize) -> Option<SlipForce<S>> {
         let (contact, joint) = (self.contact(k)?, &self.joints[k]);
-        let (last, secant) = match self.iterates.last() {
+        let (last, secant) = match self.solves.last() {
             None => (&contact.stretch, joint.shear.clone()),
-            Some(iterate) => (self.stretch(iterate, k)?, self.secant(k, iterate)?),
+            Some(solve) => (self.stretch(solve, k)?, self.secant(k, solve)?),
         };
         let square = last.norm_squared();
         if square.is_zero() || secant.is_zero() {
@@ -65,8 +65,8 @@ impl<S: StepNumber> AttemptState<'_, S> {
     }
 
     /// `τ/|s|` of a contact after a solve: the force of sliding over the stretch; zero where s is zero.
-    pub(crate) fn secant(&self, k: usize, iterate: &Iterate<S>) -> Option<S> {
-        let (strength, square) = (self.strength(k, self.gap(iterate, k)?)?, self.stretch(iterate, k)?.norm_squared());
+    pub(crate) fn secant(&self, k: usize, solve: &AttemptSolve<S>) -> Option<S> {
+        let (strength, square) = (self.strength(k, self.gap(solve, k)?)?, self.stretch(solve, k)?.norm_squared());
         if strength.is_zero() || square.is_zero() {
             return Some(S::from_i32(0));
         }
@@ -84,8 +84,8 @@ impl<S: StepNumber> AttemptState<'_, S> {
     }
 
     /// `p_n·max(0, −h)` after a solve.
-    pub(crate) fn pressure(&self, k: usize, iterate: &Iterate<S>) -> Option<S> {
-        let overlap = self.gap(iterate, k)?.lesser(&S::from_i32(0))?;
+    pub(crate) fn pressure(&self, k: usize, solve: &AttemptSolve<S>) -> Option<S> {
+        let overlap = self.gap(solve, k)?.lesser(&S::from_i32(0))?;
         if overlap.is_zero() {
             return Some(overlap);
         }
@@ -93,14 +93,14 @@ impl<S: StepNumber> AttemptState<'_, S> {
     }
 
     /// `|Δf|`: the tangential force of the mode after a solve less the one that acted in it, of a contact closed in both.
-    pub(crate) fn force_change(&self, k: usize, iterate: &Iterate<S>, modes: [Mode; 2]) -> Option<S> {
-        let (s, shear) = (self.stretch(iterate, k)?, &self.joints[k].shear);
-        let acted = match &iterate.friction[k] {
+    pub(crate) fn force_change(&self, k: usize, solve: &AttemptSolve<S>, modes: [Mode; 2]) -> Option<S> {
+        let (s, shear) = (self.stretch(solve, k)?, &self.joints[k].shear);
+        let acted = match &solve.friction[k] {
             Some(slip) => slip.at(s),
             None => s.scaled(shear),
         };
         let next = match modes {
-            [_, Mode::Sliding] => s.scaled(&self.secant(k, iterate)?),
+            [_, Mode::Sliding] => s.scaled(&self.secant(k, solve)?),
             [Mode::Sliding, _] => s.scaled(shear),
             _ => return Some(S::from_i32(0)),
         };
@@ -108,14 +108,14 @@ impl<S: StepNumber> AttemptState<'_, S> {
     }
 
     /// `Σ|Δf|` and `Σ p_n·max(0, −h)` of each moving block, over its contacts closed both in a solve and after it.
-    pub(crate) fn force_changes(&self, iterate: &Iterate<S>, modes: [&[Mode]; 2]) -> Option<Vec<[S; 2]>> {
+    pub(crate) fn force_changes(&self, solve: &AttemptSolve<S>, modes: [&[Mode]; 2]) -> Option<Vec<[S; 2]>> {
         let mut sums = vec![[S::from_i32(0), S::from_i32(0)]; self.attempt.sizes.len()];
         for (k, started) in self.attempt.started.iter().enumerate() {
             let modes = modes.map(|modes| modes[k]);
             if modes.contains(&Mode::Open) {
                 continue;
             }
-            let more = [self.force_change(k, iterate, modes)?, self.pressure(k, iterate)?];
+            let more = [self.force_change(k, solve, modes)?, self.pressure(k, solve)?];
             for row in started.blocks.into_iter().filter_map(|block| self.attempt.rows[block]) {
                 sums[row] = std::array::from_fn(|part| sums[row][part].plus(&more[part]));
             }
@@ -125,7 +125,7 @@ impl<S: StepNumber> AttemptState<'_, S> {
 
     /// `τ/p_s · s/|s|` of a contact that slid; zero without a shear spring.
     pub(crate) fn remembered_stretch(&self, k: usize) -> Option<Vec3<S>> {
-        let (shear, last) = (&self.joints[k].shear, self.iterates.last()?);
+        let (shear, last) = (&self.joints[k].shear, self.solves.last()?);
         if shear.is_zero() {
             return Some(Vec3::zero());
         }

@@ -1,9 +1,9 @@
 //! How close the decisions about modes were.
 
 use super::answer::{StepFailure, StepModel};
-use super::attempt_state::AttemptState;
+use super::attempt_values::AttemptValues;
 use super::decisions::SETTLED;
-use super::iteration::attempts;
+use super::open_close_iteration::attempts;
 use super::prepare::PreparedStep;
 use super::state::{Mode, State};
 use super::system::StepNumber;
@@ -33,9 +33,9 @@ pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<Mode
     let prepared = PreparedStep::new(model, state)?;
     attempts(&prepared, |mut cascade, _, _, _| {
         let solves = cascade.modes().to_vec();
-        let Some(chain) = cascade.double() else { return Ok(Vec::new()) };
+        let Some(values) = cascade.double() else { return Ok(Vec::new()) };
         let of_solve = |(solve, modes): (usize, &Vec<Mode>)| {
-            modes.iter().enumerate().map(|(contact, mode)| margin(chain, solve, contact, *mode)).collect()
+            modes.iter().enumerate().map(|(contact, mode)| margin(values, solve, contact, *mode)).collect()
         };
         Ok(solves.iter().enumerate().map(of_solve).collect())
     })
@@ -52,9 +52,9 @@ pub fn friction_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Opti
     attempts(&prepared, |mut cascade, _, iterated, _| {
         let mut modes = cascade.modes().to_vec();
         modes.push(iterated.after);
-        let Some(chain) = cascade.double() else { return Ok(vec![None; modes.len() - 1]) };
+        let Some(values) = cascade.double() else { return Ok(vec![None; modes.len() - 1]) };
         let of_solve = |(solve, modes): (usize, &[Vec<Mode>])| {
-            let sums = chain.force_changes(chain.iterates.get(solve)?, [&modes[0], &modes[1]])?;
+            let sums = values.force_changes(values.solves.get(solve)?, [&modes[0], &modes[1]])?;
             let of_block = |[change, pressure]: &[_; 2]| {
                 let (change, pressure) = (near(change) * f64::from(SETTLED), near(pressure));
                 share(change - pressure, change + pressure)
@@ -65,12 +65,12 @@ pub fn friction_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Opti
     })
 }
 
-fn margin<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode: Mode) -> ModeMargin {
+fn margin<S: StepNumber>(values: &AttemptValues<'_, S>, solve: usize, k: usize, mode: Mode) -> ModeMargin {
     ModeMargin {
-        equal: equal(chain, solve, k),
-        gap: gap(chain, solve, k, mode),
-        slip: slip(chain, solve, k),
-        turn: turn(chain, solve, k),
+        equal: equal(values, solve, k),
+        gap: gap(values, solve, k, mode),
+        slip: slip(values, solve, k),
+        turn: turn(values, solve, k),
     }
 }
 
@@ -83,26 +83,26 @@ fn share(value: f64, terms: f64) -> Option<f64> {
     share.is_finite().then_some(share)
 }
 
-fn equal<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
-    let square = chain.gap(chain.iterates.get(solve)?, k)?.squared();
-    let limit = chain.limits.equal.times(&chain.contact(k)?.gap.squared());
+fn equal<S: StepNumber>(values: &AttemptValues<'_, S>, solve: usize, k: usize) -> Option<f64> {
+    let square = values.gap(values.solves.get(solve)?, k)?.squared();
+    let limit = values.limits.equal.times(&values.contact(k)?.gap.squared());
     share(near(&square.minus(&limit)), near(&square).abs() + near(&limit).abs())
 }
 
-fn gap<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode: Mode) -> Option<f64> {
-    let (contact, joint) = (chain.contact(k)?, &chain.joints[k]);
-    let gap = chain.gap(chain.iterates.get(solve)?, k)?;
+fn gap<S: StepNumber>(values: &AttemptValues<'_, S>, solve: usize, k: usize, mode: Mode) -> Option<f64> {
+    let (contact, joint) = (values.contact(k)?, &values.joints[k]);
+    let gap = values.gap(values.solves.get(solve)?, k)?;
     let length = |square: &S| match square.is_zero() {
         true => Some(square.clone()),
         false => Some(square.root()?.times(&contact.square.root()?)),
     };
     let (value, limit) = match mode {
         Mode::Open => {
-            let limit = length(&chain.limits.close)?;
+            let limit = length(&values.limits.close)?;
             (gap.plus(&limit), limit)
         }
         _ => {
-            let limit = length(&chain.limits.open)?.plus(&joint.tensile);
+            let limit = length(&values.limits.open)?.plus(&joint.tensile);
             (gap.minus(&limit), limit)
         }
     };
@@ -110,16 +110,16 @@ fn gap<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize, mode:
     share(near(&value), near(&contact.gap).abs() + near(&change).abs() + near(&limit).abs())
 }
 
-fn slip<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
-    let (contact, joint, iterate) = (chain.contact(k)?, &chain.joints[k], chain.iterates.get(solve)?);
-    let shear = joint.shear.squared().times(&chain.stretch(iterate, k)?.norm_squared()).times(&contact.square);
-    let strength = chain.strength(k, chain.gap(iterate, k)?)?.squared();
+fn slip<S: StepNumber>(values: &AttemptValues<'_, S>, solve: usize, k: usize) -> Option<f64> {
+    let (contact, joint, solve) = (values.contact(k)?, &values.joints[k], values.solves.get(solve)?);
+    let shear = joint.shear.squared().times(&values.stretch(solve, k)?.norm_squared()).times(&contact.square);
+    let strength = values.strength(k, values.gap(solve, k)?)?.squared();
     share(near(&shear.minus(&strength)), near(&shear).abs() + near(&strength).abs())
 }
 
-fn turn<S: StepNumber>(chain: &AttemptState<'_, S>, solve: usize, k: usize) -> Option<f64> {
-    let iterate = chain.iterates.get(solve)?;
-    let (s, last) = (chain.stretch(iterate, k)?, &iterate.friction[k].as_ref()?.last);
+fn turn<S: StepNumber>(values: &AttemptValues<'_, S>, solve: usize, k: usize) -> Option<f64> {
+    let solve = values.solves.get(solve)?;
+    let (s, last) = (values.stretch(solve, k)?, &solve.friction[k].as_ref()?.last);
     let terms = s.components().into_iter().zip(last.components()).map(|(a, b)| near(&a.times(b)).abs());
     share(near(&s.dot(last)), terms.sum())
 }

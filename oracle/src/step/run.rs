@@ -2,9 +2,9 @@
 
 use super::answer::{CertifiedStep, EnclosedStep, GapChange, StepAnswer, StepFailure, StepModel};
 use super::attempt::Attempt;
-use super::attempt_state::AttemptState;
+use super::attempt_values::AttemptValues;
 use super::cascade::Cascade;
-use super::iteration::{attempts, first_time_step};
+use super::open_close_iteration::{attempts, first_time_step};
 use super::prepare::PreparedStep;
 use super::state::{BlockState, KeptPrecision, Mode, State};
 use super::system::StepNumber;
@@ -74,13 +74,13 @@ fn certified_and<T>(
 }
 
 /// The unknowns of each block after the last solve, each as an f64 and at least its distance from the exact value.
-fn displacements<S: StepNumber>(chain: &AttemptState<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
-    let last = chain.iterates.last()?;
+fn displacements<S: StepNumber>(values: &AttemptValues<'_, S>) -> Option<Vec<Vec<[f64; 2]>>> {
+    let last = values.solves.last()?;
     let pairs = |block| {
-        let d = chain.displacement(last, block)?;
+        let d = values.displacement(last, block)?;
         Some(d.iter().map(|value| value.nearby().into()).collect())
     };
-    (0..chain.attempt.blocks.len()).map(pairs).collect()
+    (0..values.attempt.blocks.len()).map(pairs).collect()
 }
 
 /// Displacements known to no more than this share of the largest are asked of balls of two f64.
@@ -95,8 +95,8 @@ fn are_narrow(displacements: &[Vec<[f64; 2]>]) -> bool {
 pub fn first_system(model: &StepModel<'_>, state: &State) -> Option<SpdSystem> {
     let prepared = PreparedStep::new(model, state).ok()?;
     let attempt = prepared.attempt(first_time_step(&prepared));
-    let chain: AttemptState<'_, BigRational> = AttemptState::new(&attempt, 0);
-    Some(SpdSystem::of_blocks(chain.assembled(&attempt.first_modes())?))
+    let values: AttemptValues<'_, BigRational> = AttemptValues::new(&attempt, 0);
+    Some(SpdSystem::of_blocks(values.assembled(&attempt.first_modes())?))
 }
 
 /// Makes one step from `state`, exactly.
@@ -159,10 +159,10 @@ fn kept(
     keep: KeptPrecision,
 ) -> Option<(State, Vec<GapChange>)> {
     let KeptPrecision::Grid { exponent } = keep else {
-        return cascade.exact().and_then(|chain| kept_by(attempt, chain, after, keep));
+        return cascade.exact().and_then(|values| kept_by(attempt, values, after, keep));
     };
     if exponent <= DOUBLE_GRID
-        && let Some(kept) = cascade.double().and_then(|chain| kept_by(attempt, chain, after, keep))
+        && let Some(kept) = cascade.double().and_then(|values| kept_by(attempt, values, after, keep))
     {
         return Some(kept);
     }
@@ -172,11 +172,11 @@ fn kept(
 
 fn kept_by<S: StepNumber>(
     attempt: &Attempt<'_>,
-    chain: &AttemptState<'_, S>,
+    values: &AttemptValues<'_, S>,
     after: &[Mode],
     keep: KeptPrecision,
 ) -> Option<(State, Vec<GapChange>)> {
-    Some((updated(attempt, chain, after, keep)?, gap_changes(chain, keep)?))
+    Some((updated(attempt, values, after, keep)?, gap_changes(values, keep)?))
 }
 
 /// The velocity that the scene gives a block.

@@ -3,7 +3,7 @@
 mod free_motion;
 
 use super::approximate::{Approximate, Layout, Square, Stiffness};
-use super::attempt_state::{AttemptState, Base};
+use super::attempt_values::{AttemptValues, Base};
 use super::contact::ContactGeometry;
 use super::frame;
 use super::friction::SlipForce;
@@ -15,7 +15,7 @@ use num_rational::BigRational;
 
 /// Blocks and their closed contacts in these modes, with what friction does to those that slide.
 pub(crate) struct System<'c, 'a, S> {
-    chain: &'c AttemptState<'a, S>,
+    values: &'c AttemptValues<'a, S>,
     modes: &'c [Mode],
     friction: &'c [Option<SlipForce<S>>],
     /// What each block brings, in the order of the system.
@@ -29,25 +29,26 @@ pub(crate) struct System<'c, 'a, S> {
 impl<'c, 'a, S: Field> System<'c, 'a, S> {
     /// The system of all moving blocks, or of those of an island; `None` where this type cannot calculate its geometry.
     pub(crate) fn of(
-        chain: &'c AttemptState<'a, S>,
+        values: &'c AttemptValues<'a, S>,
         modes: &'c [Mode],
         friction: &'c [Option<SlipForce<S>>],
         island: Option<&[usize]>,
     ) -> Option<System<'c, 'a, S>> {
-        let mut places = vec![None; chain.attempt.blocks.len()];
+        let mut places = vec![None; values.attempt.blocks.len()];
         let mut base = Vec::new();
-        for (block, _) in chain.attempt.moving().filter(|(block, _)| island.is_none_or(|blocks| blocks.contains(block)))
+        for (block, _) in
+            values.attempt.moving().filter(|(block, _)| island.is_none_or(|blocks| blocks.contains(block)))
         {
             places[block] = Some(base.len());
-            base.push(chain.base(block)?);
+            base.push(values.base(block)?);
         }
         let mut closed = Vec::new();
-        for (k, started) in chain.attempt.started.iter().enumerate() {
+        for (k, started) in values.attempt.started.iter().enumerate() {
             if modes[k] != Mode::Open && started.blocks.iter().any(|&block| places[block].is_some()) {
-                closed.push((k, chain.contact(k)?));
+                closed.push((k, values.contact(k)?));
             }
         }
-        Some(System { chain, modes, friction, base, places, closed })
+        Some(System { values, modes, friction, base, places, closed })
     }
 
     fn sizes(&self) -> Vec<usize> {
@@ -76,7 +77,7 @@ macro_rules! refined {
                 support: Option<&StepSupport<'_>>,
                 start: Option<Vec<Self>>,
             ) -> Option<Vec<Self>> {
-                refine(system, support?, start, system.chain.bits)
+                refine(system, support?, start, system.values.bits)
             }
         }
     )*};
@@ -91,7 +92,7 @@ impl StepNumber for WideBall {
         start: Option<Vec<Self>>,
     ) -> Option<Vec<Self>> {
         match support {
-            Some(support) => refine(system, support, start, system.chain.bits),
+            Some(support) => refine(system, support, start, system.values.bits),
             None => eliminate(&system.assembled()),
         }
     }
@@ -112,7 +113,7 @@ impl StepNumber for BigRational {
     }
 }
 
-impl<S: StepNumber> AttemptState<'_, S> {
+impl<S: StepNumber> AttemptValues<'_, S> {
     /// The system of the next solve with these modes, as a matrix.
     pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSparseSystem<S>> {
         Some(System::of(self, modes, &self.friction(modes)?, None)?.assembled())
@@ -128,7 +129,7 @@ impl<S: Field> Residual<S> for System<'_, '_, S> {
     /// `F − K·x`, contact by contact: the force that each would bear is calculated from its gap and stretch. Neither loses
     /// digits to large stiffnesses, as a product with the assembled matrix would.
     fn residual(&self, x: &[S]) -> Vec<S> {
-        let chain = self.chain;
+        let values = self.values;
         let mut residual = Vec::with_capacity(x.len());
         let mut starts = Vec::with_capacity(self.base.len());
         for base in &self.base {
@@ -141,7 +142,7 @@ impl<S: Field> Residual<S> for System<'_, '_, S> {
             }
         }
         for &(k, contact) in &self.closed {
-            let places = chain.attempt.started[k].blocks.map(|block| self.places[block]);
+            let places = values.attempt.started[k].blocks.map(|block| self.places[block]);
             let ranges = places.map(|place| place.map(|p| starts[p]..starts[p] + self.base[p].right.len()));
             let of = |side: usize| ranges[side].as_ref().map_or(&x[0..0], |range| &x[range.clone()]);
             let force = self.force_on_b(k, contact, [of(0), of(1)]);
@@ -159,15 +160,15 @@ impl<S: Field> Residual<S> for System<'_, '_, S> {
 impl<S: Field> System<'_, '_, S> {
     /// The system as a matrix and a right side.
     fn assembled(&self) -> BlockSparseSystem<S> {
-        let chain = self.chain;
+        let values = self.values;
         let mut system = BlockSparseSystem::zero(&self.sizes());
         for (row, base) in self.base.iter().enumerate() {
             system.add(row, row, |r, c| base.matrix[r][c].clone());
             system.add_right(row, |r| base.right[r].clone());
         }
         for &(k, contact) in &self.closed {
-            let (mode, joint) = (self.modes[k], &chain.joints[k]);
-            let rows = chain.attempt.started[k].blocks.map(|block| self.places[block]);
+            let (mode, joint) = (self.modes[k], &values.joints[k]);
+            let rows = values.attempt.started[k].blocks.map(|block| self.places[block]);
             let pulls = [0, 1].map(|side: usize| frame::generalized(&contact.points[side], &contact.normal));
             let stiffness = joint.normal.times(&contact.over_square);
             let shear = joint.shear.times(&contact.over_square);
@@ -218,18 +219,18 @@ pub(crate) struct StiffnessBound {
 }
 
 impl StiffnessBound {
-    /// The bound of a chain's base; `None` where f64 proves none, or a stiffness may be negative.
-    pub(crate) fn new<S: Field>(chain: &AttemptState<'_, S>) -> Option<StiffnessBound> {
-        let springs = |joint: &super::attempt_state::JointIn<S>| {
+    /// The bound of an attempt's base; `None` where f64 proves none, or a stiffness may be negative.
+    pub(crate) fn new<S: Field>(values: &AttemptValues<'_, S>) -> Option<StiffnessBound> {
+        let springs = |joint: &super::attempt_values::JointIn<S>| {
             let mut signs = [&joint.normal, &joint.shear].into_iter().map(Field::certain_sign);
             signs.all(|sign| sign.is_some_and(|sign| !sign.is_negative()))
         };
-        if !chain.joints.iter().all(springs) {
+        if !values.joints.iter().all(springs) {
             return None;
         }
         let mut bound = StiffnessBound { scale: Vec::new(), least: f64::INFINITY };
-        for (block, _) in chain.attempt.moving() {
-            let base = chain.base(block)?;
+        for (block, _) in values.attempt.moving() {
+            let base = values.base(block)?;
             let mut system = BlockSparseSystem::zero(&[base.right.len()]);
             system.add(0, 0, |r, c| base.matrix[r][c].clone());
             let factor = Factor::new(&system)?;
@@ -285,18 +286,18 @@ fn float_spring<S: Field>(slip: &SlipForce<S>, normal: f64) -> Option<(f64, [f64
     known.then_some((spring.0, b.map(|(middle, _)| middle)))
 }
 
-/// The f64 stiffness of contacts in these modes, in the next solve of a chain; `None` where it knows too little of the springs across
+/// The f64 stiffness of contacts in these modes, in the next solve of an attempt; `None` where it knows too little of the springs across
 /// the slips.
 pub(crate) fn stiffness<'l, S: StepNumber>(
-    chain: &AttemptState<'_, S>,
+    values: &AttemptValues<'_, S>,
     modes: &[Mode],
     layout: &'l Layout,
 ) -> Option<Stiffness<'l>> {
-    let friction = chain.friction(modes)?;
+    let friction = values.friction(modes)?;
     let near = |value: &S| value.nearby().0;
-    let diagonal = chain.attempt.moving().map(|(block, _)| {
+    let diagonal = values.attempt.moving().map(|(block, _)| {
         let mut square: Square = [[0.0; 12]; 12];
-        for (line, row) in square.iter_mut().zip(&chain.base(block)?.matrix) {
+        for (line, row) in square.iter_mut().zip(&values.base(block)?.matrix) {
             for (place, entry) in line.iter_mut().zip(row) {
                 *place = near(entry);
             }
@@ -305,8 +306,8 @@ pub(crate) fn stiffness<'l, S: StepNumber>(
     });
     let mut stiffness = Stiffness::new(layout, diagonal.collect::<Option<_>>()?);
     for (k, &mode) in modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
-        let (contact, joint) = (chain.contact(k)?, &chain.joints[k]);
-        let rows = chain.attempt.started[k].blocks.map(|block| chain.attempt.rows[block]);
+        let (contact, joint) = (values.contact(k)?, &values.joints[k]);
+        let rows = values.attempt.started[k].blocks.map(|block| values.attempt.rows[block]);
         let n = contact.normal.map(near);
         let n = [n.x, n.y, n.z].map(|c| c / near(&contact.square).sqrt());
         let (normal, shear) = (near(&joint.normal), if mode == Mode::Locked { near(&joint.shear) } else { 0.0 });

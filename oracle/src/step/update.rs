@@ -2,7 +2,7 @@
 
 use super::answer::GapChange;
 use super::attempt::Attempt;
-use super::attempt_state::AttemptState;
+use super::attempt_values::AttemptValues;
 use super::frame;
 use super::state::{BlockState, ContactMemory, KeptPrecision, Mode, State};
 use super::system::StepNumber;
@@ -18,43 +18,43 @@ const RATE_BITS: i64 = 256;
 /// Gaps of a state in fractions are answered as multiples of 2 to the power of minus this, in m.
 const EXACT_GAP: u32 = 200;
 
-/// The state after the last solve of a chain; `None` where the chain is too wide for the grid.
+/// The state after the last solve of an attempt; `None` where its values are too wide for the grid.
 pub(crate) fn updated<S: StepNumber>(
     attempt: &Attempt<'_>,
-    chain: &AttemptState<'_, S>,
+    values: &AttemptValues<'_, S>,
     modes: &[Mode],
     keep: KeptPrecision,
 ) -> Option<State> {
-    let last = chain.iterates.last()?;
+    let last = values.solves.last()?;
     let blocks = 0..attempt.blocks.len();
     let displacements: Vec<&Vec<S>> =
-        blocks.clone().map(|block| chain.displacement(last, block)).collect::<Option<_>>()?;
+        blocks.clone().map(|block| values.displacement(last, block)).collect::<Option<_>>()?;
     let maps: Vec<Map<'_, S>> =
         blocks.map(|block| Map::new(attempt, block, displacements[block])).collect::<Option<_>>()?;
     let place = |block: usize, x: &Vec3<S>| -> Option<Point> {
         let origin = &attempt.blocks[block].vertices()[0];
-        let moved = maps[block].moved(x)?.plus(&chain.moments(block)?.centroid);
-        let absolute = moved.plus(&origin.map(|c| S::of_number(c, chain.bits)));
+        let moved = maps[block].moved(x)?.plus(&values.moments(block)?.centroid);
+        let absolute = moved.plus(&origin.map(|c| S::of_number(c, values.bits)));
         point(&absolute, keep)
     };
     let given = |block: usize, at: &Point| -> Option<Point> {
-        if attempt.rows[block].is_none() { Some(at.clone()) } else { place(block, &chain.relative(block, at)?) }
+        if attempt.rows[block].is_none() { Some(at.clone()) } else { place(block, &values.relative(block, at)?) }
     };
     let simulation = attempt.model.simulation;
     let mut blocks = Vec::new();
     for (block, old) in attempt.state.blocks.iter().enumerate() {
         let vertices = old.vertices.iter().map(|v| given(block, v)).collect::<Option<_>>()?;
-        blocks.push(rates(attempt, chain, block, displacements[block], old, vertices, keep)?);
+        blocks.push(rates(attempt, values, block, displacements[block], old, vertices, keep)?);
     }
     let mut contacts = Vec::new();
     for (k, started) in attempt.started.iter().enumerate() {
-        let anchors = chain.anchors(k)?;
+        let anchors = values.anchors(k)?;
         let [a, b] = started.blocks;
         let mut moved = [maps[a].moved(&anchors[0])?, maps[b].moved(&anchors[1])?];
         if modes[k] == Mode::Sliding && !attempt.settling {
             // q becomes p less the stretch that friction needs, in the frame of q's block.
-            let stretch = chain.remembered_stretch(k)?;
-            let between = between_centroids(attempt, chain, a, b)?;
+            let stretch = values.remembered_stretch(k)?;
+            let between = between_centroids(attempt, values, a, b)?;
             if started.other_side() == 1 {
                 moved[1] = moved[0].minus(&stretch).plus(&between);
             } else {
@@ -63,8 +63,8 @@ pub(crate) fn updated<S: StepNumber>(
         }
         let to_point = |side: usize| -> Option<Point> {
             let block = started.blocks[side];
-            let origin = attempt.blocks[block].vertices()[0].map(|c| S::of_number(c, chain.bits));
-            point(&moved[side].plus(&chain.moments(block)?.centroid).plus(&origin), keep)
+            let origin = attempt.blocks[block].vertices()[0].map(|c| S::of_number(c, values.bits));
+            point(&moved[side].plus(&values.moments(block)?.centroid).plus(&origin), keep)
         };
         let anchors = [to_point(0)?, to_point(1)?];
         contacts.push(ContactMemory { blocks: started.blocks, contact: started.contact, mode: modes[k], anchors });
@@ -85,10 +85,10 @@ pub(crate) fn updated<S: StepNumber>(
 }
 
 /// The gap of each contact before the step and in the last solve.
-pub(crate) fn gap_changes<S: StepNumber>(chain: &AttemptState<'_, S>, keep: KeptPrecision) -> Option<Vec<GapChange>> {
-    let last = chain.iterates.last()?;
+pub(crate) fn gap_changes<S: StepNumber>(values: &AttemptValues<'_, S>, keep: KeptPrecision) -> Option<Vec<GapChange>> {
+    let last = values.solves.last()?;
     let of = |k: usize| {
-        let (contact, after) = (chain.contact(k)?, chain.gap(last, k)?);
+        let (contact, after) = (values.contact(k)?, values.gap(last, k)?);
         let metres = |gap: &S| match keep {
             KeptPrecision::Grid { .. } => kept(&gap.over(&contact.square.root()?)?, keep),
             KeptPrecision::Exact => {
@@ -100,36 +100,36 @@ pub(crate) fn gap_changes<S: StepNumber>(chain: &AttemptState<'_, S>, keep: Kept
         };
         Some(GapChange { before: metres(&contact.gap)?, after: metres(after)? })
     };
-    (0..chain.attempt.started.len()).map(of).collect()
+    (0..values.attempt.started.len()).map(of).collect()
 }
 
 /// The centroid of A less that of B.
 fn between_centroids<S: StepNumber>(
     attempt: &Attempt<'_>,
-    chain: &AttemptState<'_, S>,
+    values: &AttemptValues<'_, S>,
     a: usize,
     b: usize,
 ) -> Option<Vec3<S>> {
     let origin = &attempt.blocks[a].vertices()[0];
-    Some(chain.relative(b, origin)?.plus(&chain.moments(a)?.centroid))
+    Some(values.relative(b, origin)?.plus(&values.moments(a)?.centroid))
 }
 
 fn rates<S: StepNumber>(
     attempt: &Attempt<'_>,
-    chain: &AttemptState<'_, S>,
+    values: &AttemptValues<'_, S>,
     block: usize,
     d: &[S],
     old: &BlockState,
     vertices: Vec<Point>,
     keep: KeptPrecision,
 ) -> Option<BlockState> {
-    let rate = S::of_rational(&attempt.rate, chain.bits);
+    let rate = S::of_rational(&attempt.rate, values.bits);
     let zero = Number::ZERO;
     let (mut velocity, mut stress) = (std::array::from_fn(|_| zero.clone()), old.stress.clone());
     if !attempt.settling {
-        let kept = S::of_number(&attempt.model.simulation.control.dynamic, chain.bits);
+        let kept = S::of_number(&attempt.model.simulation.control.dynamic, values.bits);
         for (k, value) in d.iter().enumerate() {
-            let before = S::of_number(&old.velocity[k], chain.bits);
+            let before = S::of_number(&old.velocity[k], values.bits);
             velocity[k] = significant(&rate.times(value).minus(&before).times(&kept), keep);
         }
     }
@@ -137,9 +137,10 @@ fn rates<S: StepNumber>(
         velocity = super::run::initial_rates(&attempt.model.bodies[block]);
     }
     if d.len() == frame::UNKNOWNS {
-        let elastic = mass::elasticity::<S>(attempt.material(block), chain.bits)?;
+        let elastic = mass::elasticity::<S>(attempt.material(block), values.bits)?;
         for (k, value) in stress.iter_mut().enumerate() {
-            let more = (0..6).fold(S::of_number(value, chain.bits), |sum, c| sum.plus(&elastic[k][c].times(&d[6 + c])));
+            let more =
+                (0..6).fold(S::of_number(value, values.bits), |sum, c| sum.plus(&elastic[k][c].times(&d[6 + c])));
             *value = significant(&more, keep);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::super::answer::StepModel;
 use super::super::decisions::NextMode;
-use super::super::iteration::first_time_step;
+use super::super::open_close_iteration::first_time_step;
 use super::super::prepare::PreparedStep;
 use super::super::state::State;
 use super::super::system::System;
@@ -62,19 +62,19 @@ fn contact(attempt: &Attempt<'_>, blocks: [usize; 2]) -> usize {
 #[test]
 fn only_blocks_whose_contacts_bear_no_force_are_solved_without_a_matrix() {
     with_cascade(|attempt, _| {
-        let mut chain: AttemptState<'_, BigRational> = AttemptState::new(attempt, 0);
+        let mut values: AttemptValues<'_, BigRational> = AttemptValues::new(attempt, 0);
         let modes = attempt.first_modes();
-        let friction = chain.friction(&modes).unwrap();
+        let friction = values.friction(&modes).unwrap();
         for is_definite in [true, false] {
-            chain.is_definite = is_definite;
+            values.is_definite = is_definite;
             for (island, is_free) in [(&FALLING[..], true), (&PRESSED, false), (&PARTING, false)] {
-                let system = System::of(&chain, &modes, &friction, Some(island)).unwrap();
+                let system = System::of(&values, &modes, &friction, Some(island)).unwrap();
                 let solved = BigRational::solve(&system, None, None);
                 let free = system.free_motion();
                 assert_eq!(free.is_some(), is_free && is_definite, "{island:?}");
                 assert!(free.is_none() || free == solved);
                 let blocks: Vec<usize> = attempt.moving().map(|(block, _)| block).collect();
-                let whole = chain.assembled(&modes).unwrap();
+                let whole = values.assembled(&modes).unwrap();
                 let all = fraction_free_solve(&whole.dense(), &whole.right).unwrap();
                 let mut rest = all.into_iter();
                 let plain = blocks.iter().flat_map(|block| {

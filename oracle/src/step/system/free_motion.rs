@@ -3,7 +3,7 @@
 use super::System;
 use crate::field::Field;
 use crate::solve::fraction_free_solve;
-use crate::step::attempt_state::empty_cells;
+use crate::step::attempt_values::empty_cells;
 use crate::step::contact::ContactGeometry;
 use num_rational::BigRational;
 use rockproof_model::Vec3;
@@ -12,7 +12,7 @@ use std::cell::OnceCell;
 impl<S: Field> System<'_, '_, S> {
     /// The force of a closed contact on B at displacements of its blocks.
     pub(super) fn force_on_b(&self, k: usize, contact: &ContactGeometry<S>, d: [&[S]; 2]) -> Vec3<S> {
-        let joint = &self.chain.joints[k];
+        let joint = &self.values.joints[k];
         let moved = contact.moved(d);
         let along = contact.normal.dot(&moved);
         let push = joint.normal.times(&contact.over_square).times(&contact.gap.plus(&along));
@@ -31,7 +31,7 @@ impl System<'_, '_, BigRational> {
     ///
     /// Blocks that fall together, touching, are most of what fractions are asked for. They need no matrix of all of them.
     pub(crate) fn free_motion(&self) -> Option<Vec<BigRational>> {
-        if !self.chain.is_definite {
+        if !self.values.is_definite {
             return None;
         }
         let alone: Vec<OnceCell<Option<Vec<BigRational>>>> = empty_cells(self.base.len());
@@ -44,13 +44,13 @@ impl System<'_, '_, BigRational> {
             }
         };
         for &(k, contact) in &self.closed {
-            let [i, j] = self.chain.attempt.started[k].blocks;
+            let [i, j] = self.values.attempt.started[k].blocks;
             let force = self.force_on_b(k, contact, [moved(i)?, moved(j)?]);
             if !force.components().into_iter().all(Field::is_zero) {
                 return None;
             }
         }
-        let blocks = self.chain.attempt.moving().filter(|(block, _)| self.places[*block].is_some());
+        let blocks = self.values.attempt.moving().filter(|(block, _)| self.places[*block].is_some());
         Some(blocks.map(|(block, _)| moved(block)).collect::<Option<Vec<_>>>()?.concat())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::answer::{FailedAttempt, IterationEnd, RetryReason, SLIPPING_SOLVES, StepFailure, UNCHANGED_SOLVES};
 use super::attempt::Attempt;
-use super::attempt_state::AttemptState;
+use super::attempt_values::AttemptValues;
 use super::cascade::{Cascade, StepLevelCounts};
 use super::decisions::{DisplacementExceeded, FrictionSettled, Inverted, NextMode, RotationExceeded};
 use super::prepare::PreparedStep;
@@ -38,7 +38,7 @@ pub(super) fn attempts<T>(
     loop {
         let attempt = prepared.attempt(time_step.clone());
         let mut cascade = Cascade::new(&attempt, &prepared.layout, levels);
-        let iterated = iterate(&mut cascade, &attempt);
+        let iterated = open_close_iteration(&mut cascade, &attempt);
         let beyond = if iterated.end.is_converged() {
             beyond_limits(&mut cascade)
         } else {
@@ -67,7 +67,7 @@ pub(super) fn attempts<T>(
     }
 }
 
-fn iterate(cascade: &mut Cascade<'_>, attempt: &Attempt<'_>) -> IterationResult {
+fn open_close_iteration(cascade: &mut Cascade<'_>, attempt: &Attempt<'_>) -> IterationResult {
     let mut modes = attempt.first_modes();
     let (mut unchanged, mut changing) = (0, 0);
     loop {
@@ -113,10 +113,10 @@ const NO_INVERSION: f64 = 0.5;
 /// That every block keeps a positive volume. Where that stays undecided it counts as kept.
 fn volumes_stay(cascade: &mut Cascade<'_>) -> Result<(), StepFailure> {
     let bound = |d: &Vec<Ball>| d.iter().skip(3).map(|value| value.middle.abs() + value.radius).sum::<f64>();
-    let is_small = |chain: &AttemptState<'_, Ball>| {
-        let last = chain.iterates.last()?;
-        let mut blocks = 0..chain.attempt.blocks.len();
-        Some(blocks.all(|block| chain.displacement(last, block).is_some_and(|d| bound(d) < NO_INVERSION)))
+    let is_small = |values: &AttemptValues<'_, Ball>| {
+        let last = values.solves.last()?;
+        let mut blocks = 0..values.attempt.blocks.len();
+        Some(blocks.all(|block| values.displacement(last, block).is_some_and(|d| bound(d) < NO_INVERSION)))
     };
     if cascade.float().and_then(is_small) == Some(true) {
         return Ok(());

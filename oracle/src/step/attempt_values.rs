@@ -1,9 +1,9 @@
 //! One attempt at a step in one number type: its geometry, each part of it made when first asked for, and its solves.
 
 use super::attempt::{Attempt, Joint};
+use super::attempt_solve::AttemptSolve;
 use super::contact::{ContactGeometry, Sides};
 use super::frame;
-use super::iterate::Iterate;
 use crate::field::Field;
 use crate::mass::{self, Moments, difference};
 use num_rational::BigRational;
@@ -44,7 +44,7 @@ pub(crate) struct SquaredLimits<S> {
 }
 
 /// Geometry, base system and solves in the number type S.
-pub(crate) struct AttemptState<'a, S> {
+pub(crate) struct AttemptValues<'a, S> {
     pub(crate) attempt: &'a Attempt<'a>,
     pub(crate) bits: u32,
     /// Of each block, contact and block, where they were asked for; `None` where this type cannot.
@@ -53,14 +53,14 @@ pub(crate) struct AttemptState<'a, S> {
     base: Vec<OnceCell<Option<Base<S>>>>,
     pub(crate) joints: Vec<JointIn<S>>,
     pub(crate) limits: SquaredLimits<S>,
-    pub(crate) iterates: Vec<Iterate<S>>,
+    pub(crate) solves: Vec<AttemptSolve<S>>,
     /// Whether every system of the attempt is proved to be positive definite.
     pub(crate) is_definite: bool,
 }
 
-impl<'a, S: Field> AttemptState<'a, S> {
-    /// The chain before its first solve, of which nothing is calculated yet but joints and limits.
-    pub(crate) fn new(attempt: &'a Attempt<'a>, bits: u32) -> AttemptState<'a, S> {
+impl<'a, S: Field> AttemptValues<'a, S> {
+    /// The values before the first solve, of which nothing is calculated yet but joints and limits.
+    pub(crate) fn new(attempt: &'a Attempt<'a>, bits: u32) -> AttemptValues<'a, S> {
         let number = |value: &Number| S::of_number(value, bits);
         let tolerances = attempt.model.tolerances;
         let limits = SquaredLimits {
@@ -71,7 +71,7 @@ impl<'a, S: Field> AttemptState<'a, S> {
             rotation: number(&tolerances.max_rotation).squared(),
         };
         let joints = joints(attempt.joints, bits);
-        AttemptState {
+        AttemptValues {
             attempt,
             bits,
             moments: empty_cells(attempt.blocks.len()),
@@ -79,13 +79,13 @@ impl<'a, S: Field> AttemptState<'a, S> {
             base: empty_cells(attempt.blocks.len()),
             joints,
             limits,
-            iterates: Vec::new(),
+            solves: Vec::new(),
             is_definite: false,
         }
     }
 
     /// Calculates all geometry; `None` where the type cannot tell a volume or a normal from zero.
-    pub(crate) fn complete(self) -> Option<AttemptState<'a, S>> {
+    pub(crate) fn complete(self) -> Option<AttemptValues<'a, S>> {
         (0..self.moments.len()).try_for_each(|block| self.moments(block).map(|_| ()))?;
         (0..self.contacts.len()).try_for_each(|k| self.contact(k).map(|_| ()))?;
         self.attempt.moving().try_for_each(|(block, _)| self.base(block).map(|_| ()))?;

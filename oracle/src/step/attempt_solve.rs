@@ -1,6 +1,6 @@
 //! One solve of an attempt in one number type, and what is asked of it: displacements, gaps and stretches, each calculated when first asked for.
 
-use super::attempt_state::{AttemptState, empty_cells};
+use super::attempt_values::{AttemptValues, empty_cells};
 use super::cascade::EXACT_UNKNOWNS;
 use super::friction::SlipForce;
 use super::islands::islands_up_to;
@@ -10,7 +10,7 @@ use rockproof_model::Vec3;
 use std::cell::OnceCell;
 
 /// What a solve left.
-pub(crate) struct Iterate<S> {
+pub(crate) struct AttemptSolve<S> {
     modes: Vec<Mode>,
     /// What friction did to each contact that slid in it.
     pub(crate) friction: Vec<Option<SlipForce<S>>>,
@@ -32,14 +32,14 @@ struct ContactMotion<S> {
     gap: S,
 }
 
-impl<S> Iterate<S> {
+impl<S> AttemptSolve<S> {
     /// The unknowns of all moving blocks that are solved.
     pub(crate) fn solution(&self) -> impl Iterator<Item = &S> {
         self.displacements.iter().filter_map(OnceCell::get).flatten().flatten()
     }
 }
 
-impl<S: StepNumber> AttemptState<'_, S> {
+impl<S: StepNumber> AttemptValues<'_, S> {
     /// Solves once more, with these modes; `None` where this type cannot. `start` is what a cheaper type has found, without radius.
     pub(crate) fn advance(
         &mut self,
@@ -48,7 +48,7 @@ impl<S: StepNumber> AttemptState<'_, S> {
         start: Option<Vec<S>>,
     ) -> Option<()> {
         let friction = self.friction(modes)?;
-        let iterate = Iterate {
+        let solve = AttemptSolve {
             modes: modes.to_vec(),
             friction,
             islands: if S::BY_ISLAND { self.islands(modes)? } else { Vec::new() },
@@ -57,11 +57,11 @@ impl<S: StepNumber> AttemptState<'_, S> {
             stretches: empty_cells(modes.len()),
         };
         if !S::BY_ISLAND {
-            let system = System::of(self, modes, &iterate.friction, None)?;
+            let system = System::of(self, modes, &solve.friction, None)?;
             let moving: Vec<usize> = self.attempt.moving().map(|(block, _)| block).collect();
-            self.keep(&iterate, &moving, Some(S::solve(&system, support, start)?));
+            self.keep(&solve, &moving, Some(S::solve(&system, support, start)?));
         }
-        self.iterates.push(iterate);
+        self.solves.push(solve);
         Some(())
     }
 
@@ -77,67 +77,67 @@ impl<S: StepNumber> AttemptState<'_, S> {
     /// Of each block whether, after the last solve, it is in an island in which no closed contact certainly has a gap: only then may none bear
     /// a force. `None` where an island is too large for fractions.
     pub(crate) fn blocks_without_force(&self) -> Option<Vec<bool>> {
-        let iterate = self.iterates.last()?;
-        let islands = self.islands(&iterate.modes)?;
+        let solve = self.solves.last()?;
+        let islands = self.islands(&solve.modes)?;
         let mut place = vec![None; self.attempt.blocks.len()];
         for (number, island) in islands.iter().enumerate() {
             island.iter().for_each(|&block| place[block] = Some(number));
         }
         let mut free = vec![true; islands.len()];
-        for (k, started) in self.attempt.started.iter().enumerate().filter(|(k, _)| iterate.modes[*k] != Mode::Open) {
-            let presses = self.gap(iterate, k)?.certain_sign().is_some_and(|sign| !sign.is_zero());
+        for (k, started) in self.attempt.started.iter().enumerate().filter(|(k, _)| solve.modes[*k] != Mode::Open) {
+            let presses = self.gap(solve, k)?.certain_sign().is_some_and(|sign| !sign.is_zero());
             started.blocks.iter().filter_map(|&block| place[block]).for_each(|number| free[number] &= !presses);
         }
         Some(place.into_iter().map(|number| number.is_some_and(|number| free[number])).collect())
     }
 
     /// Keeps the solution of some blocks, one after another.
-    fn keep(&self, iterate: &Iterate<S>, blocks: &[usize], solution: Option<Vec<S>>) {
+    fn keep(&self, solve: &AttemptSolve<S>, blocks: &[usize], solution: Option<Vec<S>>) {
         let mut rest = solution.map(Vec::into_iter);
         for &block in blocks {
             let size = self.attempt.rows[block].map_or(0, |row| self.attempt.sizes[row]);
             let own = rest.as_mut().map(|rest| rest.take(size).collect());
-            iterate.displacements[block].get_or_init(|| own);
+            solve.displacements[block].get_or_init(|| own);
         }
     }
 
     /// d of a block after a solve, empty for a fixed one; `None` where there is no solution.
-    pub(crate) fn displacement<'i>(&self, iterate: &'i Iterate<S>, block: usize) -> Option<&'i Vec<S>> {
-        if iterate.displacements[block].get().is_none() {
+    pub(crate) fn displacement<'i>(&self, solve: &'i AttemptSolve<S>, block: usize) -> Option<&'i Vec<S>> {
+        if solve.displacements[block].get().is_none() {
             if self.attempt.rows[block].is_none() {
-                self.keep(iterate, &[block], Some(Vec::new()));
-            } else if let Some(island) = iterate.islands.iter().find(|island| island.contains(&block)) {
-                let system = System::of(self, &iterate.modes, &iterate.friction, Some(island));
-                self.keep(iterate, island, system.and_then(|system| S::solve(&system, None, None)));
+                self.keep(solve, &[block], Some(Vec::new()));
+            } else if let Some(island) = solve.islands.iter().find(|island| island.contains(&block)) {
+                let system = System::of(self, &solve.modes, &solve.friction, Some(island));
+                self.keep(solve, island, system.and_then(|system| S::solve(&system, None, None)));
             }
         }
-        iterate.displacements[block].get()?.as_ref()
+        solve.displacements[block].get()?.as_ref()
     }
 
     /// How a contact moved in a solve.
-    fn motion<'i>(&self, iterate: &'i Iterate<S>, k: usize) -> Option<&'i ContactMotion<S>> {
+    fn motion<'i>(&self, solve: &'i AttemptSolve<S>, k: usize) -> Option<&'i ContactMotion<S>> {
         let make = || {
             let [i, j] = self.attempt.started[k].blocks;
             let contact = self.contact(k)?;
-            let moved = contact.moved([self.displacement(iterate, i)?, self.displacement(iterate, j)?]);
+            let moved = contact.moved([self.displacement(solve, i)?, self.displacement(solve, j)?]);
             let along = contact.normal.dot(&moved);
             let gap = contact.gap.plus(&along);
             Some(ContactMotion { moved, along, gap })
         };
-        iterate.motions[k].get_or_init(make).as_ref()
+        solve.motions[k].get_or_init(make).as_ref()
     }
 
     /// h·|N| of a contact after a solve.
-    pub(crate) fn gap<'i>(&self, iterate: &'i Iterate<S>, k: usize) -> Option<&'i S> {
-        Some(&self.motion(iterate, k)?.gap)
+    pub(crate) fn gap<'i>(&self, solve: &'i AttemptSolve<S>, k: usize) -> Option<&'i S> {
+        Some(&self.motion(solve, k)?.gap)
     }
 
     /// The trial stretch of a contact after a solve.
-    pub(crate) fn stretch<'i>(&self, iterate: &'i Iterate<S>, k: usize) -> Option<&'i Vec3<S>> {
+    pub(crate) fn stretch<'i>(&self, solve: &'i AttemptSolve<S>, k: usize) -> Option<&'i Vec3<S>> {
         let make = || {
-            let (contact, motion) = (self.contact(k)?, self.motion(iterate, k)?);
+            let (contact, motion) = (self.contact(k)?, self.motion(solve, k)?);
             Some(contact.stretch.plus(&contact.across(&motion.moved, &motion.along)))
         };
-        iterate.stretches[k].get_or_init(make).as_ref()
+        solve.stretches[k].get_or_init(make).as_ref()
     }
 }
