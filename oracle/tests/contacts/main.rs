@@ -5,13 +5,13 @@
 mod support;
 
 mod fast_golden;
-mod fast_handworked;
+mod fast_hand_worked;
 mod fast_properties;
 mod grids;
 mod near_ties;
 mod plain_combination;
 mod plain_golden;
-mod plain_handworked;
+mod plain_hand_worked;
 mod plain_properties;
 mod plain_rational;
 mod rule_variant;

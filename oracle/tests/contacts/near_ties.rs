@@ -3,7 +3,7 @@
 //!
 //! Caught so far: nothing; it is here for the bounds of the f64 path, which most other pairs never come near.
 
-use crate::support::handworked;
+use crate::support::hand_worked;
 use crate::support::random_numbers::Random;
 use crate::support::shapes::{block, cuboid, number, point, revised, slab, spike};
 use num_rational::BigRational;
@@ -45,7 +45,7 @@ fn mapped(block: &Block, factor: &Number, offset: &Point) -> Block {
     block.with_vertices(block.vertices().iter().map(|v| v.map(|c| c.times(factor))).collect()).translated(offset)
 }
 
-fn draw(case: &handworked::Case, round: u64, dice: &mut Random) -> Option<Drawn> {
+fn draw(case: &hand_worked::Case, round: u64, dice: &mut Random) -> Option<Drawn> {
     let size = match round % 4 {
         // Beyond the sizes that have bounds of their own.
         3 => dice.pick(&["1/1267650600228229401496703205376", "1267650600228229401496703205376"]),
@@ -104,7 +104,7 @@ fn beside_every_tie_the_paths_agree_at_full_size() {
 fn agree_beside_ties(rounds: u64) {
     let mut dice = Random(11);
     let (mut levels, mut pairs, mut touching, mut neighbours) = (LevelCounts::default(), 0u64, 0u64, [0, 0]);
-    for case in handworked::cases() {
+    for case in hand_worked::cases() {
         for round in 0..rounds {
             let Some(Drawn { a, b, tolerances, about }) = draw(&case, round, &mut dice) else { continue };
             let (solid_a, solid_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));

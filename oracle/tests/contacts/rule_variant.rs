@@ -1,6 +1,6 @@
 //! Classifications that depart from SPEC in one respect: nothing changes where the respect does not come up, and what changes is that.
 
-use crate::support::handworked;
+use crate::support::hand_worked;
 use crate::support::shapes::{classic, slab, spike};
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Contact, Sign};
@@ -18,7 +18,7 @@ fn compared(
     comes_up: impl Fn(&[(Predicate, i8, bool)], Predicate) -> bool,
 ) -> Changed {
     let mut changed = Changed { expected: 0, unexpected: Vec::new() };
-    for case in handworked::cases().iter().filter(|case| case.kept.is_empty()) {
+    for case in hand_worked::cases().iter().filter(|case| case.kept.is_empty()) {
         let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let pair = Pair::new(&a, &b);
         let exact = pair.classify(&case.tolerances).contacts;
@@ -65,7 +65,7 @@ fn a_rule_is_left_out_where_it_said_otherwise_and_nowhere_else() {
 #[test]
 fn what_is_left_out_is_gone_before_an_exit_is_chosen() {
     let mut others = 0;
-    for case in handworked::cases().iter().filter(|case| case.kept.is_empty()) {
+    for case in hand_worked::cases().iter().filter(|case| case.kept.is_empty()) {
         let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let pair = Pair::new(&a, &b);
         let exact = pair.classify(&case.tolerances).contacts;

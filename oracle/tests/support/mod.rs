@@ -4,7 +4,7 @@
 #[path = "../../../tests/golden/golden_contacts.rs"]
 pub(crate) mod golden;
 pub(crate) mod golden_steps;
-pub(crate) mod handworked;
+pub(crate) mod hand_worked;
 pub(crate) mod random;
 pub(crate) mod random_numbers;
 pub(crate) mod shapes;

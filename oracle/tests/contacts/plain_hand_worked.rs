@@ -1,7 +1,7 @@
 //! The plain path against the hand-worked cases, on each backend, and its trace: every predicate must have been seen to
 //! say no, to say yes and to tie, or the cases test less than they claim.
 
-use crate::support::handworked::{Case, cases};
+use crate::support::hand_worked::{Case, cases};
 use num_rational::BigRational;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Contact, ContactKey, EdgeId, FaceId, Sign, VertexId};

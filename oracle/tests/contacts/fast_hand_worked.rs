@@ -1,7 +1,7 @@
 //! The fast path against the hand-worked pairs: ties at every tolerance, both criteria, concave blocks; and decision by
 //! decision against the plain path.
 
-use crate::support::handworked;
+use crate::support::hand_worked;
 use crate::support::shapes::{Prism, WEDGE, revised, slab, spike};
 use num_rational::BigRational;
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 #[test]
 fn every_hand_worked_pair_comes_out() {
-    let cases = handworked::cases();
+    let cases = hand_worked::cases();
     assert!(cases.len() >= 120);
     let mut wrong = Vec::new();
     for case in &cases {
@@ -33,7 +33,7 @@ fn every_hand_worked_pair_comes_out() {
 #[test]
 fn decisions_agree_with_the_plain_path() {
     let (mut compared, mut inside) = (0, [0; 2]);
-    for case in handworked::cases() {
+    for case in hand_worked::cases() {
         let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let plain: BTreeMap<_, _> =
             plain::trace_with_kept::<BigRational>(&case.a, &case.b, &case.tolerances, &case.kept)
@@ -59,7 +59,7 @@ fn decisions_agree_with_the_plain_path() {
 #[test]
 fn margins_are_zero_exactly_at_ties() {
     let (mut ties, mut others) = (0, 0);
-    for case in handworked::cases() {
+    for case in hand_worked::cases() {
         let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
         let pair = Pair::new(&a, &b);
         let trace = pair.trace_with_kept(&case.tolerances, &case.kept);
