@@ -203,6 +203,12 @@ impl Scene {
         Ok((scene, gathered.problems))
     }
 
+    /// The name of a block that has one of its own, not one made of its number.
+    pub fn own_name(&self, number: usize) -> Option<&str> {
+        let name = self.blocks.get(number)?.name.as_str();
+        (name != format!("block_{number}") && name != number.to_string()).then_some(name)
+    }
+
     /// The blocks alone, in order.
     pub fn shapes(&self) -> Vec<&Block> {
         self.blocks.iter().map(|b| &b.block).collect()

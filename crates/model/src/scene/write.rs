@@ -102,10 +102,8 @@ pub fn losses(scene: &Scene, format: SceneFormat) -> Vec<String> {
 /// The planarity that a file without one has to be read with: the largest of those of blocks that are none with the default.
 fn planarity_needed(scene: &Scene) -> Option<String> {
     let default = BlockOptions::default();
-    let needs_its_own = |block: &&SceneBlock| {
-        let (vertices, faces) = (block.block.vertices().to_vec(), block.block.topology().faces().to_vec());
-        block.planarity > default.planarity && Block::new(vertices, faces, &default).is_err()
-    };
+    let read_back = |block: &Block| Block::new(block.vertices().to_vec(), block.topology().faces().to_vec(), &default);
+    let needs_its_own = |block: &&SceneBlock| block.planarity > default.planarity && read_back(&block.block).is_err();
     let needed = scene.blocks.iter().filter(needs_its_own).map(|block| &block.planarity).max()?;
     let decimal = format!("{:e}", needed.approximate());
     let is_enough = Number::parse(&decimal).is_ok_and(|decimal| decimal >= *needed);
