@@ -169,3 +169,15 @@ fn the_planarity_that_reads_a_file_is_named_once() {
     let (code, _, err) = rockproof(&["classify", file]);
     assert!(code == 2 && err.contains("--planarity"), "{err}");
 }
+
+#[test]
+fn merging_that_changes_no_shape_is_not_said_to() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let file = dir.path().join("cube.obj");
+    // A corner pulled out where the cut of a face ends, so that the cube stays convex.
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1.0000001 1 1\nf 1 3 4 2\nf 1 2 6 5\nf 1 5 7 3\nf 2 4 8\nf 2 8 6\nf 3 7 8 4\nf 5 6 8 7\n";
+    fs::write(&file, text).expect("written");
+    let (code, _, err) = rockproof(&["check", file.to_str().expect("text")]);
+    assert_eq!(code, 0, "{err}");
+    assert!(err.contains("7 faces, of which some are nearly coplanar: with --planarity 1e-7 they are 6\n"), "{err}");
+}
