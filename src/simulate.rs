@@ -231,7 +231,7 @@ impl Simulate {
         if let Some(sentence) = &lost {
             if !self.force && !self.resume {
                 self.format.print(
-                    || overlaps.report().trim_start().to_owned(),
+                    || overlaps.report(&scene).trim_start().to_owned(),
                     || json!({ "ending": "not run", "rules_violated": [], "overlaps": overlaps.json() }),
                 )?;
                 print_note("nothing was run; --force runs all the same");

@@ -181,3 +181,24 @@ fn merging_that_changes_no_shape_is_not_said_to() {
     assert_eq!(code, 0, "{err}");
     assert!(err.contains("7 faces, of which some are nearly coplanar: with --planarity 1e-7 they are 6\n"), "{err}");
 }
+
+#[test]
+fn blocks_that_overlap_are_named_where_they_have_names() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let file = dir.path().join("overlap.toml");
+    let at = |number: i32, name: &str| {
+        format!("[[block]]\n{name}box = {{ min = [{number}, 0, 0], max = [{number}.75, 1, 1] }}\n")
+    };
+    let sunk = |name: &str| format!("[[block]]\n{name}box = {{ min = [0.5, 0, 0], max = [0.9, 1, 1] }}\n");
+    let pairs = |text: String| {
+        fs::write(&file, text).expect("written");
+        rockproof(&["check", file.to_str().expect("text")]).1
+    };
+    let out = pairs(at(0, "name = \"b2_4\"\n") + &sunk("name = \"b3_4\"\n"));
+    assert!(out.contains("\n  0–1 (b2_4, b3_4)       0.2500 m  "), "{out}");
+    let out = pairs(at(0, "") + &sunk("name = \"lid\"\n"));
+    assert!(out.contains("\n  0–1 (block_0, lid)       0.2500 m  "), "{out}");
+    // A number is no name.
+    let out = pairs(at(0, "name = \"0\"\n") + &sunk(""));
+    assert!(out.contains("\n  0–1               0.2500 m  "), "{out}");
+}
