@@ -202,3 +202,21 @@ fn blocks_that_overlap_are_named_where_they_have_names() {
     let out = pairs(at(0, "name = \"0\"\n") + &sunk(""));
     assert!(out.contains("\n  0–1               0.2500 m  "), "{out}");
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_stdout_without_room_is_named() {
+    for arguments in
+        [&["check", "cases/real/smallEdge.dda"][..], &["classify", "cases/real/smallEdge.dda", "--format", "csv"]]
+    {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let ended = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
+            .args(arguments)
+            .stdout(full)
+            .output()
+            .expect("an end");
+        let err = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(2), "{err}");
+        assert!(err.contains("error: stdout: No space left on device"), "{err}");
+    }
+}
