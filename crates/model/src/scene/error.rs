@@ -111,14 +111,12 @@ pub enum SceneProblem {
         known: String,
     },
     /// A block that is none.
-    #[error("{block}: {error}{}", behind_error(vertices))]
+    #[error("{}: {error}{}", place.block, behind_error(&place.vertices))]
     Block {
-        /// The block, by number and name.
-        block: String,
         /// What is wrong with it.
         error: BlockError,
-        /// Where the vertices that the error names are: not every format numbers them, and none as blocks do.
-        vertices: Vec<VertexPlace>,
+        /// Which block it is, and where the error is in it.
+        place: Box<BlockPlace>,
     },
     /// Tolerances that are none.
     #[error(transparent)]
@@ -139,6 +137,15 @@ pub enum SceneProblem {
     /// A file without any block.
     #[error("there is no block in it")]
     NoBlock,
+}
+
+/// Which block an error is about, and where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockPlace {
+    /// The block, by number and name.
+    pub block: String,
+    /// Where the vertices that the error names are: not every format numbers them, and none as blocks do.
+    pub vertices: Vec<VertexPlace>,
 }
 
 /// Where a vertex of a file is.

@@ -17,7 +17,7 @@ mod vtk;
 mod vtu;
 mod write;
 
-pub use error::{SceneError, SceneProblem, VertexPlace};
+pub use error::{BlockPlace, SceneError, SceneProblem, VertexPlace};
 pub use format::SceneFormat;
 pub use write::{FormatError, losses, write, write_tolerances, write_toml};
 
@@ -319,7 +319,8 @@ impl SceneBuilder {
                 }
                 Err(error) => {
                     let block = format!("block {} \"{}\", scaled", block.origin.index, block.name);
-                    self.problems.push(at(path, (None, SceneProblem::Block { block, error, vertices: Vec::new() })));
+                    let place = Box::new(BlockPlace { block, vertices: Vec::new() });
+                    self.problems.push(at(path, (None, SceneProblem::Block { error, place })));
                 }
             }
         }

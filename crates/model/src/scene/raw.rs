@@ -2,7 +2,7 @@
 
 use crate::block::{Block, BlockError, BlockOptions, Merged, Merging, Point};
 use crate::number::Number;
-use crate::scene::error::{SceneError, SceneProblem, VertexPlace};
+use crate::scene::error::{BlockPlace, SceneError, SceneProblem, VertexPlace};
 use crate::scene::mesh::orient_alike;
 use crate::scene::{BlockOrigin, LoadOptions, SceneBlock};
 use crate::simulation::{Body, Motion};
@@ -65,7 +65,8 @@ impl Assembly<'_> {
             }),
             Err(error) => {
                 let (line, vertices) = places(&error, &raw.vertices, &raw.lines);
-                let problem = SceneProblem::Block { block: label, error: self.scaled(error), vertices };
+                let place = Box::new(BlockPlace { block: label, vertices });
+                let problem = SceneProblem::Block { error: self.scaled(error), place };
                 Err(SceneError { file: self.file.to_path_buf(), line: line.or(raw.line), problem })
             }
         }
