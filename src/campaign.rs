@@ -36,7 +36,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// step_summary.csv.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  rockproof campaign                                  every family, f32 and f64, all presets; a minute and a half
+  rockproof campaign                                  every family, f32 and f64, all presets; some 20 seconds on two cores
   rockproof campaign --pairs 10000 --family sliver --engine stepper-f32 --tolerances shi
   rockproof campaign --family real --real cases/real/voronoi_120.txt --planarity 1e-4
   rockproof campaign --tolerances mine.toml           your own tolerances, in a file as `check` takes it

@@ -63,7 +63,7 @@ impl Check {
         let overlaps = overlaps(&model.scene.shapes(), &model.set, None);
         let warnings =
             || model.fall.iter().map(warning).chain(model.thin.iter().map(warning_of_thin)).collect::<String>();
-        let rest = || warnings() + &overlaps.report();
+        let rest = || warnings() + &overlaps.report(&model.scene);
         self.format.print(rest, || {
             let mut document = model.json();
             document["rules_violated"] = model.violations.iter().map(violation_json).collect();

@@ -1,11 +1,10 @@
 //! `classify`: the contacts between the blocks of a file.
 
-use crate::exit::{ExitStatus, Outcome, print};
+use crate::exit::{ExitStatus, Outcome, print, write_to_stdout};
 use crate::input::{ReadArgs, ToleranceArgs, model_help};
 use crate::input_file::InputFile;
 use crate::progress::{counted_while, overlaps};
 use crate::table::table;
-use crate::terminal::to_stdout;
 use anyhow::Context;
 use clap::ValueEnum;
 use rayon::prelude::*;
@@ -118,12 +117,12 @@ impl Classify {
         counted_while((pairs.len() as u64, "pairs"), "classified", |done| {
             let found = classifier.all(&pairs, done, audited);
             match self.format {
-                OutputFormat::Table => write_table(&mut rows, found, pairs.len()),
+                OutputFormat::Table => Ok(write_table(&mut rows, found, pairs.len())?),
                 // These two go out as they come, whatever the size of the model.
-                OutputFormat::Csv => to_stdout(|out| write_csv(out, found)),
+                OutputFormat::Csv => write_to_stdout(|out| write_csv(out, found)),
                 OutputFormat::Json => {
                     let overlaps = overlaps.as_ref().map_or(Value::Null, Overlaps::json);
-                    to_stdout(|out| write_json(out, overlaps, found))
+                    write_to_stdout(|out| write_json(out, overlaps, found))
                 }
             }
         })?;

@@ -3,6 +3,7 @@
 use crate::reading::{is_apart, is_bent};
 use crate::stop::is_ended;
 use crate::terminal::{INTERRUPTED, to_stdout};
+use anyhow::Context;
 use rockproof_model::text::{cut_in_the_middle, is_harmful};
 use serde::Serialize;
 use std::io::{self, IsTerminal, Write};
@@ -152,7 +153,12 @@ fn harmless_json(document: &str) -> String {
 
 /// Prints commands for GitHub's runner.
 pub(crate) fn print_as_it_is(text: &str) -> anyhow::Result<()> {
-    Ok(to_stdout(|out| out.write_all(text.as_bytes()))?)
+    write_to_stdout(|out| out.write_all(text.as_bytes()))
+}
+
+/// As [`to_stdout`], with an error that names stdout.
+pub(crate) fn write_to_stdout(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
+    to_stdout(write).context("stdout")
 }
 
 /// Tells an error on stderr.

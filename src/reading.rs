@@ -2,6 +2,7 @@
 
 use crate::input_file::ModelFile;
 use rockproof_model::scene::{SceneFormat, SceneProblem};
+use rockproof_model::text::noun;
 use rockproof_model::{BlockError, LoadOptions, Number, Scene, SceneError, TopologyError};
 
 /// The planarities tried, mildest first; beyond the last a face is bent, not rounded.
@@ -47,15 +48,23 @@ pub(crate) fn planarity_that_merges(model: &ModelFile, scene: &Scene) -> Option<
     };
     let [faces, concave] = count(scene);
     let used = scene.blocks.iter().map(|block| block.planarity.approximate()).fold(0.0, f64::max);
-    PLANARITIES.into_iter().filter(|text| text.parse::<f64>().is_ok_and(|planarity| planarity > used)).find_map(|text| {
-        let (merged, _) = read(model, text).filter(|(_, problems)| problems.is_empty())?;
-        let [fewer, bent] = count(&merged);
-        (fewer < faces).then(|| {
-            format!(
-                "{faces} faces, of which some are nearly coplanar: with --planarity {text} they are {fewer}, and {bent} blocks concave instead of {concave}"
-            )
-        })
-    })
+    PLANARITIES.into_iter().filter(|text| text.parse::<f64>().is_ok_and(|planarity| planarity > used)).find_map(
+        |text| {
+            let (merged, _) = read(model, text).filter(|(_, problems)| problems.is_empty())?;
+            let [fewer, bent] = count(&merged);
+            (fewer < faces).then(|| {
+                let blocks = noun(bent, "block", "blocks");
+                let shapes = if bent == concave {
+                    String::new()
+                } else {
+                    format!(", and {bent} {blocks} concave instead of {concave}")
+                };
+                format!(
+                    "{faces} faces, of which some are nearly coplanar: with --planarity {text} they are {fewer}{shapes}"
+                )
+            })
+        },
+    )
 }
 
 fn read(model: &ModelFile, planarity: &str) -> Option<(Scene, Vec<SceneError>)> {

@@ -34,7 +34,7 @@ use rockproof_simulate::totals::Extreme;
 use rockproof_simulate::{AuditScope, AuditTotals, Ending, Plan, Run, RunRecord, Stepping};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::SpecRules;
-use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepReport};
+use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepError, StepReport};
 use rockproof_tune::hold_lowest;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -231,7 +231,7 @@ impl Simulate {
         if let Some(sentence) = &lost {
             if !self.force && !self.resume {
                 self.format.print(
-                    || overlaps.report().trim_start().to_owned(),
+                    || overlaps.report(&scene).trim_start().to_owned(),
                     || json!({ "ending": "not run", "rules_violated": [], "overlaps": overlaps.json() }),
                 )?;
                 print_note("nothing was run; --force runs all the same");
@@ -257,12 +257,9 @@ impl Simulate {
 
     /// Fixes the lowest blocks of a model that fixes none, where that is asked for; else says that it will fall.
     fn hold(&self, scene: &mut Scene) {
-        if scene.blocks.iter().any(|block| block.body.is_fixed()) {
-            return;
-        }
-        if self.hold_lowest {
+        if self.hold_lowest && !has_fixed_block(scene) {
             print_note(&hold_lowest(scene).sentence());
-        } else if scene.blocks.len() > 1 && scene.simulation.fixed_points.is_empty() {
+        } else if is_loose(scene) {
             print_note("nothing is fixed, so the model falls as a whole; --hold-lowest fixes its lowest blocks");
         }
     }
@@ -388,7 +385,10 @@ impl Simulate {
             Ending::Finished => ExitStatus::Passed,
             Ending::Interrupted => ExitStatus::Interrupted,
             Ending::Stopped(stopped) => {
-                print_error(&stopped.to_string());
+                let falls = is_loose(&scene) && matches!(stopped, StepError::NotConverged { .. });
+                let why =
+                    if falls { "; perhaps since nothing is fixed: --hold-lowest fixes the lowest blocks" } else { "" };
+                print_error(&format!("{stopped}{why}"));
                 ExitStatus::CheckFailed
             }
             Ending::Diverged => ExitStatus::CheckFailed,
@@ -414,6 +414,15 @@ impl Simulate {
         let all = [("lockstep", links.into()), ("states", self.states.into())];
         all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
+}
+
+fn has_fixed_block(scene: &Scene) -> bool {
+    scene.blocks.iter().any(|block| block.body.is_fixed())
+}
+
+/// Whether a model of several blocks falls as a whole, since nothing is fixed.
+fn is_loose(scene: &Scene) -> bool {
+    scene.blocks.len() > 1 && !has_fixed_block(scene) && scene.simulation.fixed_points.is_empty()
 }
 
 /// A bar on a terminal, a line now and then otherwise.

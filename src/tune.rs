@@ -192,7 +192,7 @@ impl Tune {
         })?;
         let text = markdown(&file_name(self.file.path()), evaluator, &search);
         let Some(best) = search.best().map(|best| &search.tried()[best]) else {
-            print_note("interrupted before the first candidate");
+            print_note("interrupted before the first candidate; --resume begins with it");
             return Ok(ExitStatus::Interrupted);
         };
         record.write("tune.md", text.as_bytes())?;
@@ -201,7 +201,9 @@ impl Tune {
         let count = search.tried().len();
         let tried = counted(count as u64, "candidate", "candidates");
         let files = "tolerances.toml, tune.md, tune.tex, candidates.csv, tune.json";
-        let told = || format!("{text}\n{tried} tried; written to {}: {files}\n", dir.display());
+        let is_interrupted = stop.load(Ordering::Relaxed);
+        let interrupted = if is_interrupted { "interrupted; --resume goes on\n" } else { "" };
+        let told = || format!("{text}\n{tried} tried; written to {}: {files}\n{interrupted}", dir.display());
         self.format.print(told, || {
             json!({
                 "clean": best.measurement.is_clean(),
@@ -211,7 +213,7 @@ impl Tune {
                 "directory": dir.display().to_string(),
             })
         })?;
-        Ok(match (stop.load(Ordering::Relaxed), best.measurement.is_clean()) {
+        Ok(match (is_interrupted, best.measurement.is_clean()) {
             (true, _) => ExitStatus::Interrupted,
             (_, true) => ExitStatus::Passed,
             (_, false) => ExitStatus::CheckFailed,

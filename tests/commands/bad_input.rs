@@ -77,7 +77,7 @@ fn broken_dda_files() {
         ("a.dda", change(DDA, "6 6\n", "6 5\n"), &["a.dda:4:", "vertex of the list 11 is in no slice"]),
         ("a.dda", change(DDA, "POINTS 12", "POINTS 11"), &["a.dda:4:", "is 11; allowed is at most 10"]),
         ("a.dda", change(DDA, "BLOCK_FACES 2", "BLOCK_FACES 1"), &["a.dda:", "BLOCK_FACES is 1; allowed is 2"]),
-        ("a.dda", change(DDA, "\n0 1 2 3 0 3 4", "\n0 1 2 9 0 3 4"), &["a.dda:7:", "block 0: face 0 names vertex 9"]),
+        ("a.dda", change(DDA, "\n0 1 2 3 0 3 4", "\n0 1 2 9 0 3 4"), &["a.dda:21:", "block 0: face 0 names vertex 9"]),
         (
             "a.dda",
             change(DDA, "fixedFlag int\n1", "fixedFlag int\n7"),
@@ -130,10 +130,10 @@ fn broken_obj_files() {
         ("a.obj", change(OBJ, "f 1 3 2", "f 1 3 99999999999999999999"), &["a.obj:5:", "allowed is 1 to 4"]),
         ("a.obj", change(OBJ, "f 1 3 2", "face 1 3 2"), &["a.obj:5:", "found \"face\""]),
         ("a.obj", change(OBJ, "f 3 1 4\n", ""), &["a.obj:5:", "block 0:", "at least 4 vertices and 4 faces"]),
-        ("a.obj", change(OBJ, "f 3 1 4", "f 3 1 1"), &["a.obj:5:", "face 3 visits vertex 0 twice"]),
+        ("a.obj", change(OBJ, "f 3 1 4", "f 3 1 1"), &["a.obj:8:", "face 3 visits vertex 0 twice"]),
         ("a.obj", format!("{OBJ}v 5 5 5\n"), &["a.obj:9:", "vertex 5 of the file is in no face"]),
         ("a.obj", change(OBJ, "v 0 0 1", "v 0 0 -1"), &["a.obj:5:", "the volume is -1.666667e-1"]),
-        ("a.obj", change(OBJ, "v 0 0 1", "v 0 0 0"), &["a.obj:5:", "vertices 0 and 3 are the same point (0, 0, 0)"]),
+        ("a.obj", change(OBJ, "v 0 0 1", "v 0 0 0"), &["a.obj:4:", "vertices 0 and 3 are the same point (0, 0, 0)"]),
     ]);
 }
 
@@ -197,20 +197,20 @@ fn broken_toml_scenes() {
         ("a.toml", with_vertex("[1, 0, \"1e400\"]"), &["a.toml:3:", "overflows when rounded to f64"]),
         ("a.toml", with_faces("[[0, 2, -1]]"), &["a.toml:4:", "found -1", "face 0"]),
         ("a.toml", with_faces("[[0, 2, 1.0]]"), &["a.toml:4:", "found 1.0"]),
-        ("a.toml", with_faces("[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0]]"), &["a.toml:1:", "face 3 has 2 vertices"]),
+        ("a.toml", with_faces("[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0]]"), &["a.toml:4:", "face 3 has 2 vertices"]),
         (
             "a.toml",
             with_faces("[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 9]]"),
-            &["a.toml:1:", "face 3 names vertex 9; vertices are numbered 0 to 3"],
+            &["a.toml:4:", "face 3 names vertex 9; vertices are numbered 0 to 3"],
         ),
         (
             "a.toml",
             with_faces("[[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 2, 3]]"),
-            &["a.toml:1:", "block 0 \"rock\"", "both run edge 0 to 2"],
+            &["a.toml:4:", "block 0 \"rock\"", "both run edge 0 to 2"],
         ),
         ("a.toml", with_faces("[[1, 2, 0], [3, 1, 0], [3, 2, 1], [3, 0, 2]]"), &["a.toml:1:", "the volume is -1.6"]),
-        ("a.toml", change(MESH, "[0, 0, 1]]", "[0, 0, 1], [2, 2, 2]]"), &["a.toml:1:", "vertex 4 belongs to no face"]),
-        ("a.toml", change(MESH, "[0, 1, 0]", "[2, 0, 0]"), &["a.toml:1:", "face 0 has no area"]),
+        ("a.toml", change(MESH, "[0, 0, 1]]", "[0, 0, 1], [2, 2, 2]]"), &["a.toml:3:", "vertex 4 belongs to no face"]),
+        ("a.toml", change(MESH, "[0, 1, 0]", "[2, 0, 0]"), &["a.toml:4:", "face 0 has no area"]),
         ("a.toml", format!("planarity = -1\n{MESH}"), &["a.toml:1:", "`planarity` is -1; allowed is 0 or more"]),
         ("a.toml", "[[block]]\nbox = { min = [0, 0, 0] }".into(), &["a.toml:2:", "`box` with `min` and `max`"]),
         (
@@ -326,7 +326,7 @@ fn convert_writes_what_loads_again() {
     std::fs::write(directory.path().join("a.dda"), DDA).unwrap();
     for (from, to, note) in [
         ("a.dda", "a.toml", ""),
-        ("a.toml", "b.obj", "which blocks are fixed (1 are)"),
+        ("a.toml", "b.obj", "which blocks are fixed (1 is)"),
         ("b.obj", "c.vtk", ""),
         ("c.vtk", "d.toml", ""),
     ] {

@@ -169,3 +169,54 @@ fn the_planarity_that_reads_a_file_is_named_once() {
     let (code, _, err) = rockproof(&["classify", file]);
     assert!(code == 2 && err.contains("--planarity"), "{err}");
 }
+
+#[test]
+fn merging_that_changes_no_shape_is_not_said_to() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let file = dir.path().join("cube.obj");
+    // A corner pulled out where the cut of a face ends, so that the cube stays convex.
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1.0000001 1 1\nf 1 3 4 2\nf 1 2 6 5\nf 1 5 7 3\nf 2 4 8\nf 2 8 6\nf 3 7 8 4\nf 5 6 8 7\n";
+    fs::write(&file, text).expect("written");
+    let (code, _, err) = rockproof(&["check", file.to_str().expect("text")]);
+    assert_eq!(code, 0, "{err}");
+    assert!(err.contains("7 faces, of which some are nearly coplanar: with --planarity 1e-7 they are 6\n"), "{err}");
+}
+
+#[test]
+fn blocks_that_overlap_are_named_where_they_have_names() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let file = dir.path().join("overlap.toml");
+    let at = |number: i32, name: &str| {
+        format!("[[block]]\n{name}box = {{ min = [{number}, 0, 0], max = [{number}.75, 1, 1] }}\n")
+    };
+    let sunk = |name: &str| format!("[[block]]\n{name}box = {{ min = [0.5, 0, 0], max = [0.9, 1, 1] }}\n");
+    let pairs = |text: String| {
+        fs::write(&file, text).expect("written");
+        rockproof(&["check", file.to_str().expect("text")]).1
+    };
+    let out = pairs(at(0, "name = \"b2_4\"\n") + &sunk("name = \"b3_4\"\n"));
+    assert!(out.contains("\n  0–1 (b2_4, b3_4)       0.2500 m  "), "{out}");
+    let out = pairs(at(0, "") + &sunk("name = \"lid\"\n"));
+    assert!(out.contains("\n  0–1 (block_0, lid)       0.2500 m  "), "{out}");
+    // A number is no name.
+    let out = pairs(at(0, "name = \"0\"\n") + &sunk(""));
+    assert!(out.contains("\n  0–1               0.2500 m  "), "{out}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_stdout_without_room_is_named() {
+    for arguments in
+        [&["check", "cases/real/smallEdge.dda"][..], &["classify", "cases/real/smallEdge.dda", "--format", "csv"]]
+    {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let ended = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
+            .args(arguments)
+            .stdout(full)
+            .output()
+            .expect("an end");
+        let err = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(2), "{err}");
+        assert!(err.contains("error: stdout: No space left on device"), "{err}");
+    }
+}

@@ -368,3 +368,17 @@ fn a_model_that_fixes_nothing_stands_on_its_lowest_blocks() {
     let (answer, _) = run(&["examine", &arch, "--no-tune", "--out", &examined]);
     assert!(answer.ends_with("--hold-lowest --steps 100 --audit\n"), "{answer}");
 }
+
+/// Four cubes that nothing holds: their first step does not converge, and what helps is said.
+#[test]
+fn a_loose_model_that_does_not_converge_is_told_to_hold_its_lowest_blocks() {
+    let place = Place::new();
+    let cube = |x: u8, z: u8| format!("[[block]]\nbox = {{ min = [{x}, 0, {z}], max = [{}, 1, {}] }}\n", x + 1, z + 1);
+    let cubes: String = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, z)| cube(x, z)).concat();
+    place.file("loose.toml", &format!("[simulation]\ntime_step = 0.01\n{cubes}"));
+    let (code, _, err) = place.run(&["simulate", "loose.toml", "--steps", "3", "--out", "falls"]);
+    assert!(code == 1 && err.contains("does not converge at the smallest time step"), "{err}");
+    assert!(err.ends_with("; perhaps since nothing is fixed: --hold-lowest fixes the lowest blocks\n"), "{err}");
+    let (code, _, err) = place.run(&["simulate", "loose.toml", "--steps", "3", "--hold-lowest", "--out", "stands"]);
+    assert!(code == 0 && !err.contains("nothing is fixed"), "{err}");
+}

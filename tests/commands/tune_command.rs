@@ -1,6 +1,8 @@
 //! Pins `tune`: what it says and writes, that it produces byte-identical files, what it refuses, and that the reference is not stale.
 
 use crate::place::rockproof;
+#[cfg(unix)]
+use crate::processes::{signal, until};
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -137,7 +139,7 @@ fn a_set_that_loses_a_pair_of_the_model_is_not_recommended_beside_one_that_loses
     // Where every candidate loses it, that is said.
     let alone = path(dir.path(), "alone");
     let (code, printed, err) = rockproof(&["tune", &scene, "--candidates", "1", "--steps", "4", "--out", &alone]);
-    assert!(code == 1 && printed.contains("Overlaps of the model: 1, of which 1 are deeper"), "{printed}{err}");
+    assert!(code == 1 && printed.contains("Overlaps of the model: 1, of which 1 is deeper"), "{printed}{err}");
 }
 
 #[test]
@@ -198,4 +200,25 @@ fn the_reference_in_reports_is_not_stale() {
             }
         }
     }
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_search_says_how_it_goes_on() {
+    let dir = tempfile::tempdir().expect("a directory");
+    fs::write(dir.path().join("scene.toml"), SCENE).expect("write");
+    let search = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
+        .args(["tune", "scene.toml", "--candidates", "100000", "--out", "found"])
+        .current_dir(dir.path())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("starts");
+    let rows = || fs::read_to_string(dir.path().join("found/candidates.csv")).map_or(0, |text| text.lines().count());
+    until("a candidate", || rows() > 1);
+    signal(&search, "INT");
+    let ended = search.wait_with_output().expect("an end");
+    let (out, err) = (String::from_utf8_lossy(&ended.stdout), String::from_utf8_lossy(&ended.stderr));
+    assert_eq!(ended.status.code(), Some(130), "{out}{err}");
+    assert!(out.ends_with("\ninterrupted; --resume goes on\n"), "{out}");
 }

@@ -3,8 +3,8 @@
 use crate::deepest::deepest;
 use crate::progress::{Stage, WorkProgress};
 use rayon::prelude::*;
-use rockproof_model::text::noun;
-use rockproof_model::{Block, Number, Precision, ToleranceSet};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt, noun};
+use rockproof_model::{Block, Number, Precision, Scene, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Overlap, OverlapSeverity, OverlapVisibility, rounding_depth};
 use serde_json::{Value, json};
@@ -215,24 +215,36 @@ impl Overlaps {
         })
     }
 
-    /// What `check` says: the line and the deepest pairs.
-    pub fn report(&self) -> String {
+    /// What `check` says: the line and the deepest pairs, with the names that blocks of the scene have.
+    pub fn report(&self, scene: &Scene) -> String {
         let mut out = format!("\n{}\n", self.line());
         let mut worst: Vec<&Overlap> = self.that(|severity| severity != OverlapSeverity::Rounding).collect();
         // A stable sort: of equally deep ones the first pair first.
         worst.sort_by_cached_key(|overlap| std::cmp::Reverse(overlap.depth_squared()));
-        for overlap in worst.iter().take(MAX_NAMED) {
-            let [a, b] = overlap.blocks;
+        let more = worst.len().saturating_sub(MAX_NAMED);
+        worst.truncate(MAX_NAMED);
+        let blocks: Vec<String> = worst.iter().map(|overlap| pair_in_words(overlap.blocks, scene)).collect();
+        let width = blocks.iter().map(|blocks| blocks.chars().count()).max().unwrap_or(0).max(11);
+        for (overlap, blocks) in worst.iter().zip(blocks) {
             let deep = if overlap.is_deeper_than_g { ", deeper than penetration" } else { "" };
-            let blocks = format!("{a}–{b}");
             // Writing to a String cannot fail.
-            let _ = writeln!(out, "  {blocks:<11} {:>12} m  {}{deep}", depth(overlap), overlap.sight.name());
+            let _ = writeln!(out, "  {blocks:<width$} {:>12} m  {}{deep}", depth(overlap), overlap.sight.name());
         }
-        if let Some(more) = worst.len().checked_sub(MAX_NAMED).filter(|more| *more > 0) {
+        if more > 0 {
             let _ = writeln!(out, "  and {more} more");
         }
         out
     }
+}
+
+/// Two blocks by number, and by name where one has a name of its own.
+fn pair_in_words(pair: [usize; 2], scene: &Scene) -> String {
+    let [a, b] = pair;
+    if pair.iter().all(|&number| scene.own_name(number).is_none()) {
+        return format!("{a}–{b}");
+    }
+    let [one, other] = pair.map(|number| excerpt(&scene.blocks[number].name, EXCERPT_LENGTH));
+    format!("{a}–{b} ({one}, {other})")
 }
 
 /// The penetration in metres, in four digits.
@@ -274,7 +286,8 @@ mod tests {
                 overlaps(&blocks, &set(&blocks), (None, measured), &WorkProgress::default(), &AtomicBool::new(false))
             };
             let [all, few] = [MeasuredOverlaps::All, MeasuredOverlaps::BeyondRounding].map(found);
-            assert_eq!((few.line(), few.report(), few.json()), (all.line(), all.report(), all.json()));
+            let scene = Scene::default();
+            assert_eq!((few.line(), few.report(&scene), few.json()), (all.line(), all.report(&scene), all.json()));
             assert_eq!((few.all().count(), all.all().count()), (1, blocks.len() - 1));
             let is_told = all.line().contains("4 pairs overlap by no more than rounding");
             assert!(is_told || all.line().contains("4 pairs (worst 0–2, 6.217e-15 m)"), "{}", all.line());

@@ -32,6 +32,22 @@ fn whoever_wrote_nothing_leaves_the_directory_free() {
 }
 
 #[test]
+fn a_manifest_of_files_that_were_never_written_leaves_the_directory_free() {
+    // As on a full disk: files are listed before they are written.
+    let dir = tempfile::tempdir().expect("a folder");
+    let mut directory = claim(dir.path(), Start::Fresh).expect("free");
+    directory.write("rows.csv", FileKind::Table, b"1").expect("ours");
+    drop(directory);
+    fs::remove_file(dir.path().join("rows.csv")).expect("removed");
+    drop(claim(dir.path(), Start::Fresh).expect("free"));
+    // What comes there later is somebody else's.
+    fs::write(dir.path().join("rows.csv"), "theirs").expect("write");
+    for start in [Start::Fresh, Start::Overwrite] {
+        assert!(matches!(claim(dir.path(), start), Err(ResultsError::Foreign { .. })), "{start:?}");
+    }
+}
+
+#[test]
 fn what_is_not_ours_is_named_and_nothing_changes() {
     let dir = tempfile::tempdir().expect("a folder");
     fs::write(dir.path().join("rows.csv"), "theirs").expect("write");

@@ -260,8 +260,9 @@ fn overlaps(out: &mut String, best: &Measurement, overlapping: u64) -> std::fmt:
         }
         (lost, all) => writeln!(
             out,
-            "Overlaps of the model: {all}, of which {lost} are deeper than `penetration` or seen by no contact, and some are under every candidate: \
-             `simulate` will not begin (`check` names the pairs)."
+            "Overlaps of the model: {all}, of which {lost} {are} deeper than `penetration` or seen by no contact, and some are under every candidate: \
+             `simulate` will not begin (`check` names the pairs).",
+            are = noun(lost, "is", "are")
         ),
     }
 }

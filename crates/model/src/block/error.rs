@@ -46,14 +46,12 @@ pub enum BlockError {
         length: usize,
     },
     /// A face further from planar than allowed.
-    #[error(
-        "face {face} is not planar: vertex {vertex} is {deviation:.3e} of the block's size off the face's plane; allowed is a planarity of {allowed:e}"
-    )]
+    #[error("face {face} is not planar: {}; allowed is a planarity of {allowed:e}", furthest(vertices, *deviation))]
     NotPlanar {
         /// The face.
         face: usize,
-        /// Its vertex furthest from the plane.
-        vertex: usize,
+        /// Those of its vertices furthest from the plane: of a quadrilateral all four.
+        vertices: Vec<usize>,
         /// Distance from the plane over the longest side of the block's box.
         deviation: f64,
         /// The planarity allowed.
@@ -177,4 +175,61 @@ pub enum BlockError {
         /// What is wrong then, in numbers of the merged block.
         error: TopologyError,
     },
+}
+
+/// Which vertices of a face are furthest from its plane, and how far.
+fn furthest(vertices: &[usize], deviation: f64) -> String {
+    match vertices {
+        [vertex] => format!("vertex {vertex} is {deviation:.3e} of the block's size off the face's plane"),
+        // The plane is that of the mean of the corners along N, and both diagonals are at right angles to N.
+        [_, _, _, _] => {
+            format!("its four corners are equally far from their common plane, {deviation:.3e} of the block's size")
+        }
+        several => {
+            let several: Vec<String> = several.iter().map(usize::to_string).collect();
+            format!("vertices {} are {deviation:.3e} of the block's size off the face's plane", several.join(", "))
+        }
+    }
+}
+
+impl BlockError {
+    /// The face and the vertices that the message is about, by their numbers in the input; of several faces the first.
+    pub(crate) fn features(&self) -> (Option<usize>, Vec<usize>) {
+        match self {
+            BlockError::Topology(error) => features_of_topology(error),
+            BlockError::Overflow { vertex } => (None, vec![*vertex]),
+            BlockError::RepeatedVertex { second, .. } => (None, vec![*second]),
+            BlockError::DegenerateFace { face, .. } | BlockError::FaceWithHole { face, .. } => {
+                (Some(*face), Vec::new())
+            }
+            BlockError::NotPlanar { face, vertices, .. } => (Some(*face), vertices.clone()),
+            BlockError::SelfIntersecting { face, first, second } => {
+                (Some(*face), vec![first.0, first.1, second.0, second.1])
+            }
+            BlockError::FacesMeet { first, p, q, .. } => (Some(*first), vec![*p, *q]),
+            BlockError::FoldedEdge { p, q, left, .. } | BlockError::FlatEdge { p, q, left, .. } => {
+                (Some(*left), vec![*p, *q])
+            }
+            BlockError::TwoEdgeVertex { vertex, .. } => (None, vec![*vertex]),
+            BlockError::PinchedFace { face, vertex, .. } => (Some(*face), vec![*vertex]),
+            BlockError::TooFine { .. }
+            | BlockError::NotPositiveVolume { .. }
+            | BlockError::RunsThroughItself { .. }
+            | BlockError::NothingLeft { .. } => (None, Vec::new()),
+        }
+    }
+}
+
+fn features_of_topology(error: &TopologyError) -> (Option<usize>, Vec<usize>) {
+    let numbers = |vertices: &[u32]| vertices.iter().map(|&vertex| vertex as usize).collect();
+    match error {
+        TopologyError::TooFew { .. } => (None, Vec::new()),
+        TopologyError::ShortFace { face, .. }
+        | TopologyError::NoSuchVertex { face, .. }
+        | TopologyError::Disconnected { face } => (Some(*face), Vec::new()),
+        TopologyError::VertexTwice { face, vertex } => (Some(*face), numbers(&[*vertex])),
+        TopologyError::Open { p, q, face } => (Some(*face), numbers(&[*p, *q])),
+        TopologyError::SameDirection { p, q, first, .. } => (Some(*first), numbers(&[*p, *q])),
+        TopologyError::UnusedVertex { vertex } | TopologyError::NonManifoldVertex { vertex } => (None, vec![*vertex]),
+    }
 }

@@ -20,10 +20,10 @@ pub(super) struct Planarity<'a> {
     exact: OnceCell<(BigInt, BigInt)>,
 }
 
-/// The vertex of a face furthest from its plane.
-pub(super) struct FurthestVertex {
-    pub(super) vertex: VertexId,
-    /// Its distance over the longest side of the block's box.
+/// The vertices of a face furthest from its plane: several where they are equally far.
+pub(super) struct FurthestVertices {
+    pub(super) vertices: Vec<VertexId>,
+    /// Their distance over the longest side of the block's box.
     pub(super) deviation: f64,
 }
 
@@ -62,8 +62,8 @@ impl<'a> Planarity<'a> {
         (0..3).map(|axis| extent(points, axis)).max().unwrap_or_default()
     }
 
-    /// The vertex furthest from the face's plane, if that is further than allowed.
-    pub(super) fn violation(&self, surface: &Surface<'_>, face: usize) -> Option<FurthestVertex> {
+    /// The vertices furthest from the face's plane, if that is further than allowed.
+    pub(super) fn violation(&self, surface: &Surface<'_>, face: usize) -> Option<FurthestVertices> {
         let boundary = &surface.faces()[face];
         if boundary.len() == 3 || self.is_surely_planar(surface, face) {
             return None;
@@ -72,11 +72,8 @@ impl<'a> Planarity<'a> {
             .iter()
             .map(|&vertex| surface.exact_value(&Height { face, through: boundary[0], vertex }))
             .collect();
-        let (furthest, distance) = from_mean(&heights)
-            .into_iter()
-            .map(|d| d.abs())
-            .enumerate()
-            .max_by(|a, b| a.1.cmp(&b.1).then(b.0.cmp(&a.0)))?;
+        let distances: Vec<BigInt> = from_mean(&heights).iter().map(BigInt::abs).collect();
+        let distance = distances.iter().max()?.clone();
         // The distance is n·|N| times that of the vertex.
         let count = BigInt::from(boundary.len());
         let area = surface.exact_value(&Area { face });
@@ -84,8 +81,9 @@ impl<'a> Planarity<'a> {
         let too_far = (&distance * divisor).squared() > (allowed * &count).squared() * &area;
         too_far.then(|| {
             let share = BigRational::new(distance.squared(), (count * self.size()).squared() * area);
-            FurthestVertex {
-                vertex: boundary[furthest],
+            let furthest = boundary.iter().zip(&distances).filter(|(_, d)| **d == distance);
+            FurthestVertices {
+                vertices: furthest.map(|(&vertex, _)| vertex).collect(),
                 deviation: crate::Number::from_rational(share).approximate().sqrt(),
             }
         })

@@ -206,7 +206,24 @@ fn a_tie_in_planarity_is_planar() {
     // The box is 2 long.
     assert!(build("1/2000").is_ok());
     let error = build("1/2001").unwrap_err();
-    assert!(matches!(error, BlockError::NotPlanar { face: 1, vertex: 4, .. }), "{error}");
+    let BlockError::NotPlanar { face: 1, vertices: furthest, .. } = &error else { panic!("{error}") };
+    assert_eq!(*furthest, [4, 5, 6, 7], "none of four corners is further than the others");
+    // Of five corners the one pulled up is.
+    let mut five =
+        points(&["0 0 0", "2 0 0", "3 1 0", "1 2 0", "0 1 0", "0 0 1", "2 0 1", "3 1 1", "1 2 1.1", "0 1 1"]);
+    let prism: Vec<Vec<u32>> = vec![
+        vec![4, 3, 2, 1, 0],
+        vec![5, 6, 7, 8, 9],
+        vec![0, 1, 6, 5],
+        vec![1, 2, 7, 6],
+        vec![2, 3, 8, 7],
+        vec![3, 4, 9, 8],
+        vec![4, 0, 5, 9],
+    ];
+    let said = Block::new(five.clone(), prism.clone(), &BlockOptions::default()).unwrap_err().to_string();
+    assert!(said.starts_with("face 1 is not planar: vertex 8 is "), "{said}");
+    five[8] = points(&["1 2 1"])[0].clone();
+    assert!(Block::new(five, prism, &BlockOptions::default()).is_ok());
     assert!(build("0").is_err());
 }
 

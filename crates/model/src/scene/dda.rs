@@ -6,8 +6,9 @@
 
 use crate::block::Point;
 use crate::scene::error::SceneProblem;
-use crate::scene::raw::RawBlock;
+use crate::scene::raw::{FeatureLines, RawBlock};
 use crate::scene::tokens::{Located, Tokens, unexpected, whole};
+use crate::text::noun;
 
 /// Consecutive entries of a list.
 #[derive(Clone, Copy)]
@@ -22,12 +23,15 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
     let tokens = &mut tokens;
     tokens.keyword("#_DDA_DataFile_Version_1.0")?;
     let (blocks, vertex_slices) = slices(tokens, "POINTS_START_LENGTH", "vertices of a block")?;
-    let points = points(tokens)?;
+    let points_line = tokens.peek().map_or(0, |token| token.line);
+    let points = points(tokens).map_err(|error| uneven_line_or(error, text, points_line))?;
     check_used_once(&vertex_slices, points.len(), "vertex of the list")?;
-    tokens.keyword("FACES_NODELIST")?;
+    tokens.keyword(BEHIND_POINTS).map_err(|error| uneven_line_or(error, text, points_line))?;
     let node_count = tokens.count("the length of the node list")?;
     let mut nodes = Vec::new();
+    let mut node_lines = Vec::new();
     for _ in 0..node_count {
+        node_lines.push(tokens.peek().map_or(0, |token| token.line));
         nodes.push(tokens.count("a vertex number of a face")? as u32);
     }
     let (faces, face_slices) = slices(tokens, "FACES", "vertices of a face")?;
@@ -39,16 +43,21 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
     let fixed = scalars(tokens, blocks.0)?;
     boundaries(tokens)?;
 
-    let block = |(i, (own, shell)): (usize, (&Slice, &Slice))| RawBlock {
-        name: None,
-        fixed: fixed[i],
-        vertices: points[own.start..own.start + own.length].iter().map(|(p, _)| p.clone()).collect(),
-        faces: face_slices[shell.start..shell.start + shell.length]
-            .iter()
-            .map(|face| nodes[face.start..face.start + face.length].to_vec())
-            .collect(),
-        line: Some(points.get(own.start).map_or(own.line, |(_, line)| *line)),
-        is_cell: false,
+    let block = |(i, (own, shell)): (usize, (&Slice, &Slice))| {
+        let own_points = &points[own.start..own.start + own.length];
+        let own_faces = &face_slices[shell.start..shell.start + shell.length];
+        RawBlock {
+            name: None,
+            fixed: fixed[i],
+            vertices: own_points.iter().map(|(p, _)| p.clone()).collect(),
+            faces: own_faces.iter().map(|face| nodes[face.start..face.start + face.length].to_vec()).collect(),
+            line: Some(points.get(own.start).map_or(own.line, |(_, line)| *line)),
+            lines: FeatureLines {
+                vertices: own_points.iter().map(|(_, line)| *line).collect(),
+                faces: own_faces.iter().map(|face| *node_lines.get(face.start).unwrap_or(&face.line)).collect(),
+            },
+            is_cell: false,
+        }
     };
     Ok(vertex_slices.iter().zip(&shell_slices).enumerate().map(block).collect())
 }
@@ -79,6 +88,29 @@ fn points(tokens: &mut Tokens<'_>) -> Result<Vec<(Point, usize)>, Located> {
         points.push((tokens.point("a coordinate of a vertex")?, line));
     }
     Ok(points)
+}
+
+/// The section behind the points.
+const BEHIND_POINTS: &str = "FACES_NODELIST";
+
+/// An error about coordinates too many or too few, at the line that has them where the other lines have three each.
+fn uneven_line_or(error: Located, text: &str, points_line: usize) -> Located {
+    let SceneProblem::Unexpected { found, expected } = &error.1 else { return error };
+    if ![found, expected].iter().any(|text| text.contains(BEHIND_POINTS)) {
+        return error;
+    }
+    let lines = text.lines().enumerate().skip(points_line).take_while(|(_, line)| !line.contains(BEHIND_POINTS));
+    let counts: Vec<(usize, usize)> = lines.map(|(i, line)| (i + 1, line.split_ascii_whitespace().count())).collect();
+    let is_uneven = |&&(_, count): &&(usize, usize)| count != 0 && count != 3;
+    let of_three = counts.iter().filter(|(_, count)| *count == 3).count();
+    let uneven: Vec<&(usize, usize)> = counts.iter().filter(is_uneven).collect();
+    match uneven.first() {
+        Some(&&(line, count)) if uneven.len() < of_three => {
+            let found = format!("a line of {count} {}", noun(count, "word", "words"));
+            (Some(line), SceneProblem::Unexpected { found, expected: "the 3 coordinates of a vertex".to_string() })
+        }
+        _ => error,
+    }
 }
 
 /// Every entry of a list must belong to exactly one slice; this also bounds what slices can ask to be copied.

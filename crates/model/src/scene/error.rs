@@ -1,6 +1,6 @@
 //! What can be wrong with a file of blocks, and where.
 
-use crate::block::BlockError;
+use crate::block::{BlockError, Point};
 use crate::number::{Number, NumberError};
 use crate::number_text::shown;
 use crate::scene::SceneFormat;
@@ -111,12 +111,12 @@ pub enum SceneProblem {
         known: String,
     },
     /// A block that is none.
-    #[error("{block}: {error}")]
+    #[error("{}: {error}{}", place.block, behind_error(&place.vertices))]
     Block {
-        /// The block, by number and name.
-        block: String,
         /// What is wrong with it.
         error: BlockError,
+        /// Which block it is, and where the error is in it.
+        place: Box<BlockPlace>,
     },
     /// Tolerances that are none.
     #[error(transparent)]
@@ -137,4 +137,45 @@ pub enum SceneProblem {
     /// A file without any block.
     #[error("there is no block in it")]
     NoBlock,
+}
+
+/// Which block an error is about, and where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockPlace {
+    /// The block, by number and name.
+    pub block: String,
+    /// Where the vertices that the error names are: not every format numbers them, and none as blocks do.
+    pub vertices: Vec<VertexPlace>,
+}
+
+/// Where a vertex of a file is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexPlace {
+    /// Its number in its block, from 0.
+    pub vertex: usize,
+    /// Where the file has it, in the file's unit of length.
+    pub point: Point,
+    /// The line, from 1, where it is known.
+    pub line: Option<usize>,
+}
+
+impl fmt::Display for VertexPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.point.components().map(|c| match c.as_f64() {
+            Some(value) => format!("{value:?}").trim_end_matches(".0").to_owned(),
+            None => shown(&c.to_string()),
+        });
+        write!(f, "vertex {} at ({x}, {y}, {z})", self.vertex)?;
+        match self.line {
+            Some(line) => write!(f, " in line {line}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Where vertices are, in parentheses behind a sentence about them.
+fn behind_error(vertices: &[VertexPlace]) -> String {
+    const MAX_VERTICES: usize = 4;
+    let shown: Vec<String> = vertices.iter().take(MAX_VERTICES).map(VertexPlace::to_string).collect();
+    if shown.is_empty() { String::new() } else { format!(" ({})", shown.join(", ")) }
 }

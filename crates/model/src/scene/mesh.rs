@@ -2,7 +2,7 @@
 
 use crate::block::Point;
 use crate::number::Number;
-use crate::scene::raw::RawBlock;
+use crate::scene::raw::{FeatureLines, RawBlock};
 use crate::topology::loop_pairs;
 use std::collections::{BTreeSet, HashMap};
 
@@ -15,23 +15,34 @@ pub(super) struct Face {
 }
 
 /// The blocks of a surface: one for every set of faces joined by edges, in the order of their first faces. Several have the name and a
-/// number. Points in no face are left out.
-pub(super) fn blocks(name: Option<&str>, faces: &[Face], points: &[Point]) -> Vec<RawBlock> {
+/// number. Points in no face are left out. `lines` are those of the points, empty where the file has none.
+pub(super) fn blocks(name: Option<&str>, faces: &[Face], points: &[Point], lines: &[usize]) -> Vec<RawBlock> {
     let components = components(faces);
     let count = components.len();
     let block = |(i, members): (usize, Vec<usize>)| {
         let faces: Vec<&Face> = members.iter().map(|&face| &faces[face]).collect();
-        let used: BTreeSet<u32> = faces.iter().flat_map(|face| face.vertices.iter().copied()).collect();
-        let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
         RawBlock {
             name: name.map(|name| if count == 1 { name.to_owned() } else { format!("{name}_{i}") }),
-            vertices: used.iter().map(|&v| points[v as usize].clone()).collect(),
-            faces: faces.iter().map(|face| face.vertices.iter().map(|v| place[v]).collect()).collect(),
             line: faces.first().and_then(|face| face.line),
-            ..RawBlock::default()
+            ..of_faces(&faces, points, lines)
         }
     };
     components.into_iter().enumerate().map(block).collect()
+}
+
+/// A block of faces with the points that they name, and no others.
+fn of_faces(faces: &[&Face], points: &[Point], lines: &[usize]) -> RawBlock {
+    let used: BTreeSet<u32> = faces.iter().flat_map(|face| face.vertices.iter().copied()).collect();
+    let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
+    RawBlock {
+        vertices: used.iter().map(|&v| points[v as usize].clone()).collect(),
+        faces: faces.iter().map(|face| face.vertices.iter().map(|v| place[v]).collect()).collect(),
+        lines: FeatureLines {
+            vertices: used.iter().filter_map(|&v| lines.get(v as usize).copied()).collect(),
+            faces: faces.iter().filter_map(|face| face.line).collect(),
+        },
+        ..RawBlock::default()
+    }
 }
 
 /// Which faces are joined by edges. Where more than two faces have an edge, as where blocks touch along it, the first that runs along it
@@ -105,19 +116,12 @@ pub(super) fn weld(faces: &mut Vec<Face>, points: &[Point], distance: &Number) {
 
 /// The same with the faces of one block; points that are in no face any more are left out.
 pub(super) fn weld_block(raw: RawBlock, distance: &Number) -> RawBlock {
-    let RawBlock { name, fixed, vertices, faces, line, is_cell } = raw;
-    let mut faces: Vec<Face> = faces.into_iter().map(|vertices| Face { vertices, line }).collect();
+    let RawBlock { name, fixed, vertices, faces, line, lines, is_cell } = raw;
+    let face = |(i, vertices)| Face { vertices, line: lines.faces.get(i).copied() };
+    let mut faces: Vec<Face> = faces.into_iter().enumerate().map(face).collect();
     weld(&mut faces, &vertices, distance);
-    let used: BTreeSet<u32> = faces.iter().flat_map(|face| face.vertices.iter().copied()).collect();
-    let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
-    RawBlock {
-        name,
-        fixed,
-        vertices: used.iter().map(|&v| vertices[v as usize].clone()).collect(),
-        faces: faces.iter().map(|face| face.vertices.iter().map(|v| place[v]).collect()).collect(),
-        line,
-        is_cell,
-    }
+    let faces: Vec<&Face> = faces.iter().collect();
+    RawBlock { name, fixed, line, is_cell, ..of_faces(&faces, &vertices, &lines.vertices) }
 }
 
 /// Points kept so far, by the cell of a grid that they lie in. Cells have at least twice the distance on each side, so two points within it

@@ -17,7 +17,7 @@ mod vtk;
 mod vtu;
 mod write;
 
-pub use error::{SceneError, SceneProblem};
+pub use error::{BlockPlace, SceneError, SceneProblem, VertexPlace};
 pub use format::SceneFormat;
 pub use write::{FormatError, losses, write, write_tolerances, write_toml};
 
@@ -27,7 +27,7 @@ use crate::number::Number;
 use crate::simulation::{Body, Motion, Simulation, derive_stiffness};
 use crate::tolerance::ToleranceSet;
 use crate::tolerance_spec::ToleranceSpec;
-use raw::{Assembly, RawBlock};
+use raw::{Assembly, FeatureLines, RawBlock};
 use std::path::{Path, PathBuf};
 use tokens::{Located, as_text};
 use toml::BodyProperties;
@@ -203,6 +203,12 @@ impl Scene {
         Ok((scene, gathered.problems))
     }
 
+    /// The name of a block that has one of its own, not one made of its number.
+    pub fn own_name(&self, number: usize) -> Option<&str> {
+        let name = self.blocks.get(number)?.name.as_str();
+        (name != format!("block_{number}") && name != number.to_string()).then_some(name)
+    }
+
     /// The blocks alone, in order.
     pub fn shapes(&self) -> Vec<&Block> {
         self.blocks.iter().map(|b| &b.block).collect()
@@ -254,20 +260,22 @@ impl SceneBuilder {
         for (index, entry) in document.entries.iter().enumerate() {
             let planarity = entry.planarity.as_ref().or(document.planarity.as_ref());
             let assembly = Assembly { file: path, options, planarity, merging: Merging::Exact };
-            let raw = |vertices, faces| RawBlock {
+            let raw = |vertices, faces, lines| RawBlock {
                 name: entry.name.clone(),
                 vertices,
                 faces,
+                lines,
                 line: Some(entry.line),
                 ..RawBlock::default()
             };
             match &entry.content {
-                toml::ShapeSource::Mesh { vertices, faces } => {
-                    self.add_one(raw(vertices.clone(), faces.clone()), index, &assembly, &entry.patch);
+                toml::ShapeSource::Mesh { vertices, faces, lines } => {
+                    let raw = raw(vertices.clone(), faces.clone(), lines.clone());
+                    self.add_one(raw, index, &assembly, &entry.patch);
                 }
                 toml::ShapeSource::Box { min, max } => {
                     let (vertices, faces) = crate::block::cuboid_mesh(min, max);
-                    self.add_one(raw(vertices, faces), index, &assembly, &entry.patch);
+                    self.add_one(raw(vertices, faces, FeatureLines::default()), index, &assembly, &entry.patch);
                 }
                 toml::ShapeSource::File(name) => {
                     let refuse = |problem| at(path, (Some(entry.line), problem));
@@ -311,7 +319,8 @@ impl SceneBuilder {
                 }
                 Err(error) => {
                     let block = format!("block {} \"{}\", scaled", block.origin.index, block.name);
-                    self.problems.push(at(path, (None, SceneProblem::Block { block, error })));
+                    let place = Box::new(BlockPlace { block, vertices: Vec::new() });
+                    self.problems.push(at(path, (None, SceneProblem::Block { error, place })));
                 }
             }
         }

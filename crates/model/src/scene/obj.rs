@@ -55,11 +55,11 @@ pub(super) fn read(text: &str, weld_distance: Option<&Number>) -> Result<Vec<Raw
         };
         return Err((Some(vertices[unused as usize].1), problem));
     }
-    let points: Vec<Point> = vertices.into_iter().map(|(point, _)| point).collect();
+    let (points, lines): (Vec<Point>, Vec<usize>) = vertices.into_iter().unzip();
     if let Some(distance) = weld_distance {
         objects.iter_mut().for_each(|object| weld(&mut object.faces, &points, distance));
     }
-    Ok(objects.iter().flat_map(|object| blocks(object.name.as_deref(), &object.faces, &points)).collect())
+    Ok(objects.iter().flat_map(|object| blocks(object.name.as_deref(), &object.faces, &points, &lines)).collect())
 }
 
 /// Statements with the line each begins on: without comments, lines that end in a backslash joined to the next.

@@ -111,7 +111,8 @@ pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlo
     if let Some(distance) = distance {
         weld(&mut faces, &points, distance);
     }
-    Ok(blocks(None, &faces, &points))
+    let lines: Vec<usize> = (0..points.len()).map_while(|number| vertices.line(number)).collect();
+    Ok(blocks(None, &faces, &points, &lines))
 }
 
 /// What of an element cannot be, before any of it is read.

@@ -2,7 +2,7 @@
 
 use crate::block::{Block, BlockError, BlockOptions, Merged, Merging, Point};
 use crate::number::Number;
-use crate::scene::error::{SceneError, SceneProblem};
+use crate::scene::error::{BlockPlace, SceneError, SceneProblem, VertexPlace};
 use crate::scene::mesh::orient_alike;
 use crate::scene::{BlockOrigin, LoadOptions, SceneBlock};
 use crate::simulation::{Body, Motion};
@@ -17,8 +17,16 @@ pub(super) struct RawBlock {
     pub(super) faces: Vec<Vec<u32>>,
     /// Where it begins, in a file of lines.
     pub(super) line: Option<usize>,
+    pub(super) lines: FeatureLines,
     /// A cell of a grid: files do not agree on which way its faces run round, so they may be turned.
     pub(super) is_cell: bool,
+}
+
+/// The lines of vertices and of faces; empty where the file has none, or the block's own line is that of all.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FeatureLines {
+    pub(super) vertices: Vec<usize>,
+    pub(super) faces: Vec<usize>,
 }
 
 /// How the blocks of one file become blocks of a scene.
@@ -42,9 +50,9 @@ impl Assembly<'_> {
         };
         let name = raw.name.unwrap_or_else(|| format!("block_{number}"));
         let merged = if raw.is_cell {
-            self.build_cell(raw.vertices, raw.faces, &options)
+            self.build_cell(&raw.vertices, raw.faces, &options)
         } else {
-            Block::merged(raw.vertices, raw.faces, &options, self.merging)
+            Block::merged(raw.vertices.clone(), raw.faces, &options, self.merging)
         };
         match merged {
             Ok((block, merged)) => Ok(SceneBlock {
@@ -55,28 +63,56 @@ impl Assembly<'_> {
                 merged,
                 block,
             }),
-            Err(error) => Err(SceneError {
-                file: self.file.to_path_buf(),
-                line: raw.line,
-                problem: SceneProblem::Block { block: label, error },
-            }),
+            Err(error) => {
+                let (line, vertices) = places(&error, &raw.vertices, &raw.lines);
+                let place = Box::new(BlockPlace { block: label, vertices });
+                let problem = SceneProblem::Block { error: self.scaled(error), place };
+                Err(SceneError { file: self.file.to_path_buf(), line: line.or(raw.line), problem })
+            }
+        }
+    }
+
+    /// The error with its volume in m³: blocks are built in the file's unit of length, and multiplied afterwards.
+    fn scaled(&self, error: BlockError) -> BlockError {
+        match (error, self.options.scaled()) {
+            (BlockError::NotPositiveVolume { volume }, Some(scale)) => {
+                BlockError::NotPositiveVolume { volume: volume * scale.approximate().powi(3) }
+            }
+            (error, _) => error,
         }
     }
 
     /// A cell whose faces run round alike, from outside or from inside.
     fn build_cell(
         &self,
-        vertices: Vec<Point>,
+        vertices: &[Point],
         mut faces: Vec<Vec<u32>>,
         options: &BlockOptions,
     ) -> Result<(Block, Merged), BlockError> {
         orient_alike(&mut faces);
-        match Block::merged(vertices.clone(), faces.clone(), options, self.merging) {
+        match Block::merged(vertices.to_vec(), faces.clone(), options, self.merging) {
             Err(BlockError::NotPositiveVolume { volume }) if volume < 0.0 => {
                 faces.iter_mut().for_each(|face| face.reverse());
-                Block::merged(vertices, faces, options, self.merging)
+                Block::merged(vertices.to_vec(), faces, options, self.merging)
             }
             outcome => outcome,
         }
     }
+}
+
+/// The line that an error is about, of the face that it names or else of the vertex, and where the vertices are that it names.
+fn places(error: &BlockError, vertices: &[Point], lines: &FeatureLines) -> (Option<usize>, Vec<VertexPlace>) {
+    let (face, named) = error.features();
+    let vertex_line = |vertex: usize| lines.vertices.get(vertex).copied();
+    let line = match face {
+        Some(face) => lines.faces.get(face).copied(),
+        None => named.first().and_then(|&vertex| vertex_line(vertex)),
+    };
+    // This one has the point in its own words.
+    let is_told = matches!(error, BlockError::RepeatedVertex { .. });
+    let place = |&vertex: &usize| {
+        let point = vertices.get(vertex)?.clone();
+        Some(VertexPlace { vertex, point, line: vertex_line(vertex) })
+    };
+    (line, named.iter().filter(|_| !is_told).filter_map(place).collect())
 }

@@ -80,6 +80,8 @@ fn read_binary(bytes: &[u8], distance: &Number) -> Result<Vec<RawBlock>, Located
 struct Solid {
     name: Option<String>,
     points: Vec<Point>,
+    /// Of the points of a text.
+    lines: Vec<usize>,
     faces: Vec<Face>,
 }
 
@@ -92,7 +94,7 @@ impl Solid {
 
     fn blocks(mut self, distance: &Number) -> Vec<RawBlock> {
         weld(&mut self.faces, &self.points, distance);
-        blocks(self.name.as_deref(), &self.faces, &self.points)
+        blocks(self.name.as_deref(), &self.faces, &self.points, &self.lines)
     }
 }
 
@@ -125,7 +127,7 @@ fn read_facet(tokens: &mut Tokens<'_>, solid: &mut Solid) -> Result<(), Located>
     word(tokens, "outer")?;
     word(tokens, "loop")?;
     for _ in 0..3 {
-        word(tokens, "vertex")?;
+        solid.lines.push(word(tokens, "vertex")?.line);
         solid.points.push(tokens.point("a coordinate of a vertex")?);
     }
     word(tokens, "endloop")?;

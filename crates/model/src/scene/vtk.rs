@@ -7,7 +7,7 @@
 
 use crate::block::Point;
 use crate::scene::error::SceneProblem;
-use crate::scene::raw::RawBlock;
+use crate::scene::raw::{FeatureLines, RawBlock};
 use crate::scene::tokens::{Located, Token, Tokens, out_of, unexpected, whole};
 use std::collections::{BTreeSet, HashMap};
 
@@ -212,8 +212,10 @@ fn block(cell: &FaceStream<'_>, points: &[(Point, usize)]) -> Result<RawBlock, L
     };
     let (face_count, _) = entry("the number of faces")?;
     let mut faces: Vec<Vec<u32>> = Vec::new();
+    let mut face_lines = Vec::new();
     for _ in 0..face_count {
-        let (length, _) = entry("the number of vertices of a face")?;
+        let (length, line) = entry("the number of vertices of a face")?;
+        face_lines.push(line);
         let mut face = Vec::new();
         for _ in 0..length {
             let (index, line) = entry("a point number of a face")?;
@@ -233,6 +235,7 @@ fn block(cell: &FaceStream<'_>, points: &[(Point, usize)]) -> Result<RawBlock, L
         vertices: used.iter().map(|&v| points[v as usize].0.clone()).collect(),
         faces: faces.iter().map(|f| f.iter().map(|v| place[v]).collect()).collect(),
         line: Some(cell.line),
+        lines: FeatureLines { vertices: used.iter().map(|&v| points[v as usize].1).collect(), faces: face_lines },
         ..RawBlock::default()
     })
 }

@@ -3,10 +3,11 @@
 mod mesh;
 mod simulation;
 
-use crate::block::{BlockOptions, Point};
+use crate::block::{Block, BlockOptions, Point};
 use crate::number::Number;
 use crate::scene::{Scene, SceneBlock, SceneFormat};
 use crate::simulation::{Body, Simulation};
+use crate::text::noun;
 use crate::tolerance_spec::ToleranceSpec;
 use crate::topology::VertexId;
 use std::fmt::Write;
@@ -66,7 +67,8 @@ pub fn losses(scene: &Scene, format: SceneFormat) -> Vec<String> {
     }
     let fixed = scene.blocks.iter().filter(|b| b.body.is_fixed()).count();
     if fixed > 0 {
-        lost.push(format!("this format does not keep which blocks are fixed ({fixed} are)"));
+        let are = noun(fixed, "is", "are");
+        lost.push(format!("this format does not keep which blocks are fixed ({fixed} {are})"));
     }
     if scene.tolerances.is_some() {
         lost.push("this format does not keep tolerances".to_owned());
@@ -84,6 +86,10 @@ pub fn losses(scene: &Scene, format: SceneFormat) -> Vec<String> {
     if format == SceneFormat::Msh && scene.blocks.iter().any(|block| mesh::msh_name(&block.name) != block.name) {
         lost.push("names of blocks are written without quotes and with single spaces, as MSH can hold them".to_owned());
     }
+    if let Some(planarity) = planarity_needed(scene) {
+        let format = format.name().to_uppercase();
+        lost.push(format!("{format} does not keep the planarity; read it with --planarity {planarity}"));
+    }
     if format == SceneFormat::Stl {
         lost.push(
             "STL holds triangles that share no vertices; they are written with all digits of an f64, and most programs read them as f32"
@@ -91,6 +97,17 @@ pub fn losses(scene: &Scene, format: SceneFormat) -> Vec<String> {
         );
     }
     lost
+}
+
+/// The planarity that a file without one has to be read with: the largest of those of blocks that are none with the default.
+fn planarity_needed(scene: &Scene) -> Option<String> {
+    let default = BlockOptions::default();
+    let read_back = |block: &Block| Block::new(block.vertices().to_vec(), block.topology().faces().to_vec(), &default);
+    let needs_its_own = |block: &&SceneBlock| block.planarity > default.planarity && read_back(&block.block).is_err();
+    let needed = scene.blocks.iter().filter(needs_its_own).map(|block| &block.planarity).max()?;
+    let decimal = format!("{:e}", needed.approximate());
+    let is_enough = Number::parse(&decimal).is_ok_and(|decimal| decimal >= *needed);
+    Some(if is_enough { decimal } else { needed.to_string() })
 }
 
 /// The scene as TOML: read back, it is the same scene, exactly. Where a block was read from is not part of that.

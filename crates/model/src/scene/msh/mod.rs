@@ -11,7 +11,7 @@ use crate::number_text::shown;
 use crate::scene::cells::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::scene::error::SceneProblem;
 use crate::scene::mesh::{Face, blocks, weld, weld_block};
-use crate::scene::raw::RawBlock;
+use crate::scene::raw::{FeatureLines, RawBlock};
 use crate::scene::tokens::Located;
 use input::{Input, InputPosition};
 use std::collections::{BTreeSet, HashMap};
@@ -45,6 +45,8 @@ fn element_of(kind: usize) -> Option<(Element, usize)> {
 #[derive(Default)]
 struct Mesh {
     points: Vec<Point>,
+    /// Of the points of a text.
+    lines: Vec<usize>,
     /// Where each node is in `points`.
     places: HashMap<i64, u32>,
     /// Of physical surfaces.
@@ -155,7 +157,13 @@ impl Mesh {
         Ok(())
     }
 
-    fn add_node(&mut self, tag: i64, at: Point, position: InputPosition) -> Result<(), Located> {
+    /// `position` is that of the node's number, `line` that of its coordinates, in a text.
+    fn add_node(
+        &mut self,
+        tag: i64,
+        position: InputPosition,
+        (at, line): (Point, Option<usize>),
+    ) -> Result<(), Located> {
         let number = self.points.len() as u32;
         if self.places.insert(tag, number).is_some() {
             let what = position.name(&format!("node {tag}"));
@@ -163,6 +171,7 @@ impl Mesh {
             return Err((position.line(), SceneProblem::NotAllowed { what, found: "there twice".to_owned(), allowed }));
         }
         self.points.push(at);
+        self.lines.extend(line);
         Ok(())
     }
 
@@ -171,7 +180,7 @@ impl Mesh {
             let position = input.position();
             let tag = input.integer("the number of a node")?;
             let at = input.point("a coordinate of a node")?;
-            self.add_node(tag, at, position)?;
+            self.add_node(tag, position, (at, position.line()))?;
         }
         Ok(())
     }
@@ -191,11 +200,12 @@ impl Mesh {
                 tags.push((input.tag("the number of a node")?, position));
             }
             for (tag, position) in tags {
+                let line = input.position().line();
                 let at = input.point("a coordinate of a node")?;
                 for _ in 0..parameters {
                     input.number("a parameter of a node")?;
                 }
-                self.add_node(tag, at, position)?;
+                self.add_node(tag, position, (at, line))?;
             }
         }
         Ok(())
@@ -309,6 +319,10 @@ impl Mesh {
             vertices: used.iter().map(|&v| self.points[v as usize].clone()).collect(),
             faces: kind.faces_on(&corners),
             line,
+            lines: FeatureLines {
+                vertices: used.iter().filter_map(|&v| self.lines.get(v as usize).copied()).collect(),
+                faces: Vec::new(),
+            },
             is_cell: true,
             ..RawBlock::default()
         });
@@ -327,7 +341,7 @@ impl Mesh {
             if let Some(distance) = distance {
                 weld(faces, &self.points, distance);
             }
-            all.extend(blocks(self.names.get(group).map(String::as_str), faces, &self.points));
+            all.extend(blocks(self.names.get(group).map(String::as_str), faces, &self.points, &self.lines));
         }
         all
     }

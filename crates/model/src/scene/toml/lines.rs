@@ -60,6 +60,11 @@ impl Lines {
         self.0.partition_point(|&start| start <= span.start)
     }
 
+    /// Where each of some values begins.
+    pub(super) fn each(&self, values: &[Value<'_>]) -> Vec<usize> {
+        values.iter().map(|value| self.of(&value.span())).collect()
+    }
+
     pub(super) fn unexpected(&self, value: &Value<'_>, expected: &str) -> Located {
         let found = match value.get_ref() {
             DeValue::String(text) => format!("\"{}\"", shown(text)),

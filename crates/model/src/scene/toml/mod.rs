@@ -13,6 +13,7 @@ pub(super) use body::BodyProperties;
 use crate::block::Point;
 use crate::number::Number;
 use crate::scene::error::SceneProblem;
+use crate::scene::raw::FeatureLines;
 use crate::scene::tokens::Located;
 use crate::simulation::Simulation;
 use crate::tolerance_spec::{SpecError, ToleranceSpec};
@@ -41,7 +42,7 @@ pub(super) struct BlockEntry {
 
 /// Where the shape of a `[[block]]` comes from.
 pub(super) enum ShapeSource {
-    Mesh { vertices: Vec<Point>, faces: Vec<Vec<u32>> },
+    Mesh { vertices: Vec<Point>, faces: Vec<Vec<u32>>, lines: FeatureLines },
     File(String),
     Box { min: Point, max: Point },
 }
@@ -132,7 +133,11 @@ impl Lines {
         let patch = self.patch(table, "[[block]]", simulation)?;
         let content = match shape.map(|key| table.get(key)) {
             [Some(vertices), Some(faces), None, None] => {
-                ShapeSource::Mesh { vertices: self.vertices(vertices)?, faces: self.faces(faces)? }
+                let lines = FeatureLines {
+                    vertices: self.each(self.array(vertices, "`vertices`")?),
+                    faces: self.each(self.array(faces, "`faces`")?),
+                };
+                ShapeSource::Mesh { vertices: self.vertices(vertices)?, faces: self.faces(faces)?, lines }
             }
             [None, None, Some(file), None] => ShapeSource::File(self.text(file, "`file`")?.to_string()),
             [None, None, None, Some(corners)] => self.corners(corners)?,
