@@ -61,6 +61,8 @@ pub(crate) struct PreparedFace {
 }
 
 impl PreparedEdge {
+    // Made where it stays: a call would write it elsewhere and copy it.
+    #[inline(always)]
     fn new(edge: &Edge, vertices: &[Vec3<Approx>], faces: &[PreparedFace]) -> PreparedEdge {
         let ends = [edge.p, edge.q].map(|v| &vertices[v.index()]);
         let direction = ends[1].minus(ends[0]);
@@ -77,6 +79,7 @@ impl PreparedEdge {
 
 impl PreparedFace {
     /// Not yet known to be convex.
+    #[inline(always)]
     fn new(corners: &[VertexId], vertices: &[Vec3<Approx>]) -> PreparedFace {
         let (normal, count) = (face_normal(vertices, corners), Approx::from_i32(corners.len() as i32));
         PreparedFace {
