@@ -251,6 +251,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         M::step_dynamics(self, None)
     }
 
+    // By itself, so that its instructions can be counted (`.ci/instructions`).
+    #[inline(never)]
     pub(super) fn make_step(&mut self, prescribed: Option<&PrescribedStep<'_>>) -> Result<StepReport, StepError> {
         let settling = self.state.settling > 0;
         let number = self.next_number();
