@@ -193,6 +193,9 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
     for (name, counts) in &progress.engines {
         if let Some(note) = counts.recovered_note() {
             out += &format!("{name}: {note}; engines.csv counts them\n");
+            for failure in &counts.first_failures {
+                out += &format!("  {failure}\n");
+            }
         }
     }
     if ending == Ending::Stopped {

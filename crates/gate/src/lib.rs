@@ -157,8 +157,10 @@ fn recovered<'x>(
         group: "limit",
         name: format!("{run}: engine {}, change {RECOVERED}", row.engine),
         message: format!(
-            "{} of {} questions failed and were answered by a fresh process; no limit names them",
-            row.recovered, row.asked
+            "{} of {} questions failed and were answered by a fresh process; no limit names them{}",
+            row.recovered,
+            row.asked,
+            if row.first_failures.is_empty() { String::new() } else { format!(": {}", row.first_failures) }
         ),
         status: CheckStatus::Skip,
         place: (file.to_owned(), 1),

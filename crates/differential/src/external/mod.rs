@@ -38,6 +38,14 @@ struct EngineCounters {
     started: AtomicU64,
     recovered: AtomicU64,
     uncompared: AtomicU64,
+    /// [`EngineCounts::first_failures`].
+    failures: Mutex<Vec<String>>,
+}
+
+impl EngineCounters {
+    fn failures(&self) -> MutexGuard<'_, Vec<String>> {
+        self.failures.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 struct Shared {
@@ -116,6 +124,9 @@ impl External {
             let again = self.ask_fresh(question);
             if again.process.is_some() {
                 self.0.counts.recovered.fetch_add(1, Ordering::Relaxed);
+                if let Err(failure) = &asked.answer {
+                    EngineCounts::note_failure(&mut self.0.counts.failures(), failure);
+                }
             }
             return again;
         }
@@ -238,12 +249,13 @@ impl Engine for External {
 
     fn counts(&self) -> Option<EngineCounts> {
         let count = |n: &AtomicU64| n.load(Ordering::Relaxed);
-        let EngineCounters { asked, started, recovered, uncompared } = &self.0.counts;
+        let EngineCounters { asked, started, recovered, uncompared, .. } = &self.0.counts;
         Some(EngineCounts {
             asked: count(asked),
             processes_started: count(started),
             recovered: count(recovered),
             not_compared: count(uncompared),
+            first_failures: self.0.counts.failures().clone(),
         })
     }
 }
