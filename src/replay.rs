@@ -84,6 +84,9 @@ impl Replay {
         let mut text = Vec::new();
         show(&mut text, &case, &said, &partings)?;
         writeln!(text, "\n{recurrence}")?;
+        if let (Recurrence::Gone(_), Some(note)) = (&recurrence, &case.about.note) {
+            writeln!(text, "when it was found: {}", excerpt(note, NOTE_LENGTH))?;
+        }
         self.format.print(
             || String::from_utf8_lossy(&text).into_owned(),
             || document(&case, &said, &partings, &recurrence, is_expected),
@@ -102,6 +105,9 @@ enum Recurrence {
     /// What the pair shows in its place, about the same engine or the same rounding, each once.
     Gone(Vec<String>),
 }
+
+/// So many characters of a case's note are told.
+const NOTE_LENGTH: usize = 400;
 
 /// Findings in place of the one of a case that are told.
 const TOLD: usize = 4;
@@ -253,6 +259,7 @@ fn document(
         "finding": {
             "cause": about.cause, "change": about.change, "engine": about.engine, "predicate": about.predicate,
             "features": about.features, "margin": about.margin, "roundoffs": about.margin_ulps, "origin": about.origin,
+            "note": about.note,
         },
         "recurs": recurrence.recurs(),
         "shown_instead": shown_instead,
