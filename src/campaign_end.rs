@@ -12,8 +12,8 @@ use rockproof_campaign::steps::summary::StepCounts;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::diagnosis::diagnosis_lines;
-use rockproof_differential::external::{EngineSpec, is_of_earlier_answers};
 use rockproof_differential::external::spec::{quoted, replay_command};
+use rockproof_differential::external::{EngineSpec, is_of_earlier_answers};
 use rockproof_differential::finding::Cause;
 use rockproof_report::load::{CampaignRun, Results};
 use rockproof_report::step_tally::WorstStep;
@@ -240,8 +240,7 @@ fn next(dir: &Path, campaign: Option<&CampaignRun>, external: &[EngineSpec]) -> 
         note.is_none_or(|note| !is_of_earlier_answers(&note))
     };
     let pair = campaign.and_then(|campaign| {
-        let is_shown =
-            |worst: &WorstFinding| worst.change != AnswerChange::Malformed || recurs(&dir.join(&worst.case));
+        let is_shown = |worst: &WorstFinding| worst.change != AnswerChange::Malformed || recurs(&dir.join(&worst.case));
         campaign.tally.worst_of_all(is_shown)
     });
     if let Some(worst) = pair {

@@ -158,7 +158,11 @@ impl Results {
             let findings = dir.join("findings.csv");
             if !findings.exists() && has("agreement.csv") {
                 let other = "the other tables of a campaign are there: it was left out or removed".to_owned();
-                return Err(ReportError::Contradiction { file: findings, found: "the file is missing".to_owned(), other });
+                return Err(ReportError::Contradiction {
+                    file: findings,
+                    found: "the file is missing".to_owned(),
+                    other,
+                });
             }
             if !campaign && !lockstep && !timing && !motion && !stress {
                 for name in ["findings.csv", "lockstep.csv", timing::FILE, motion::FILE, stress::FILE] {
