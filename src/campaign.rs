@@ -18,6 +18,7 @@ use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
 use rockproof_campaign::steps::{self, StepChange};
 use rockproof_campaign::stress::StressSource;
+use rockproof_differential::builtin::full_name;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::lockstep::StepCause;
@@ -246,7 +247,11 @@ impl Campaign {
         self.external.add_to(&mut config)?;
         if !self.engine.is_empty() {
             config.engines.clone_from(&self.engine);
-            config.external.retain(|spec| self.engine.contains(&spec.name));
+            let external = |name: &str| config.external.iter().any(|spec| spec.name == name);
+            // Who misspells one is told of all that there are.
+            if self.engine.iter().all(|name| full_name(name).is_some() || external(name)) {
+                config.external.retain(|spec| self.engine.contains(&spec.name));
+            }
         }
         config.settle_engines();
         for (given, setting) in [(&self.tolerances, &mut config.tolerances), (&self.family, &mut config.families)] {

@@ -9,13 +9,15 @@ use rockproof_campaign::part::Part;
 use rockproof_campaign::run::Ending;
 use rockproof_campaign::steps::StepSummary;
 use rockproof_campaign::steps::summary::StepCounts;
+use rockproof_differential::case_file::Case;
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::diagnosis::diagnosis_lines;
-use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::{quoted, replay_command};
+use rockproof_differential::external::{EngineSpec, is_of_earlier_answers};
 use rockproof_differential::finding::Cause;
 use rockproof_report::load::{CampaignRun, Results};
 use rockproof_report::step_tally::WorstStep;
-use rockproof_report::tally::FindingTally;
+use rockproof_report::tally::{FindingTally, WorstFinding};
 use rockproof_report::verdict::verdict;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -193,6 +195,9 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
     for (name, counts) in &progress.engines {
         if let Some(note) = counts.recovered_note() {
             out += &format!("{name}: {note}; engines.csv counts them\n");
+            for failure in &counts.first_failures {
+                out += &format!("  {failure}\n");
+            }
         }
     }
     if ending == Ending::Stopped {
@@ -229,7 +234,15 @@ fn next(dir: &Path, campaign: Option<&CampaignRun>, external: &[EngineSpec]) -> 
     let mut replay = |case: &str, engine: Option<&EngineSpec>| {
         out += &format!("      {}\n", replay_command(&dir.join(case), engine));
     };
-    let pair = campaign.and_then(|campaign| campaign.tally.worst_of_all());
+    // A case that asking a fresh process may not show is none to begin with. One that cannot be read says so when it is replayed.
+    let recurs = |case: &Path| {
+        let note = Case::load(case).ok().and_then(|case| case.about.note);
+        note.is_none_or(|note| !is_of_earlier_answers(&note))
+    };
+    let pair = campaign.and_then(|campaign| {
+        let is_shown = |worst: &WorstFinding| worst.change != AnswerChange::Malformed || recurs(&dir.join(&worst.case));
+        campaign.tally.worst_of_all(is_shown)
+    });
     if let Some(worst) = pair {
         replay(&worst.case, external.iter().find(|spec| spec.name == worst.engine));
     }

@@ -20,6 +20,7 @@ mod output_file;
 mod progress;
 mod reading;
 mod replay;
+mod replay_changed;
 mod replay_step;
 mod report;
 mod shrink;

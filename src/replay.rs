@@ -4,6 +4,7 @@ use crate::classify::contact_json;
 use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::input::{EngineArgs, FormatArgs};
 use crate::input_file::InputFile;
+use crate::replay_changed::{RoundedQuestion, changed_answers};
 use crate::replay_step;
 use crate::table::table;
 use rockproof_campaign::engines::Engines;
@@ -41,12 +42,20 @@ pub(crate) struct Replay {
 }
 
 /// One answer with the decisions behind it.
-struct EngineDecisions {
-    name: String,
-    contacts: Result<Vec<Contact>, EngineFailure>,
-    trace: Option<Trace>,
+pub(crate) struct EngineDecisions {
+    pub(crate) name: String,
+    pub(crate) contacts: Result<Vec<Contact>, EngineFailure>,
+    pub(crate) trace: Option<Trace>,
     /// How the blocks lie, where an engine is asked for that.
-    state: Option<String>,
+    pub(crate) state: Option<String>,
+}
+
+/// What everybody says about a case.
+struct CaseAnswers {
+    said: Vec<EngineDecisions>,
+    partings: Vec<Divergence>,
+    /// How the pair was changed that some of the answers are about, where the finding is about such a change.
+    changed: Option<String>,
 }
 
 /// The margins of the decisions that parted, and the unit to count them in.
@@ -65,7 +74,8 @@ impl Replay {
         }
         let case = Case::from_toml(&text, path.display().to_string())?;
         let engines = self.external.engines_of(&case, path)?;
-        let (said, partings) = answers(&case, &engines);
+        let answers = answers(&case, &engines);
+        let said = &answers.said;
         let recurrence = Recurrence::of(&case, &engines);
         engines.check_shortage()?;
         if !recurrence.recurs() {
@@ -82,11 +92,14 @@ impl Replay {
         let is_expected =
             recorded.contacts.as_deref().is_ok_and(|contacts| contact_rows(contacts) == case.about.expected);
         let mut text = Vec::new();
-        show(&mut text, &case, &said, &partings)?;
+        show(&mut text, &case, &answers)?;
         writeln!(text, "\n{recurrence}")?;
+        if let (Recurrence::Gone(_), Some(note)) = (&recurrence, &case.about.note) {
+            writeln!(text, "when it was found: {}", excerpt(note, NOTE_LENGTH))?;
+        }
         self.format.print(
             || String::from_utf8_lossy(&text).into_owned(),
-            || document(&case, &said, &partings, &recurrence, is_expected),
+            || document(&case, &answers, &recurrence, is_expected),
         )?;
         if is_expected {
             return Ok(if recurrence.recurs() { ExitStatus::Passed } else { ExitStatus::CheckFailed });
@@ -102,6 +115,9 @@ enum Recurrence {
     /// What the pair shows in its place, about the same engine or the same rounding, each once.
     Gone(Vec<String>),
 }
+
+/// So many characters of a case's note are told.
+const NOTE_LENGTH: usize = 400;
 
 /// Findings in place of the one of a case that are told.
 const TOLD: usize = 4;
@@ -149,7 +165,7 @@ fn precision_name(case: &Case, engines: &Engines) -> String {
     engines.find(&case.about.engine).map_or_else(|| case.about.engine.clone(), |e| e.precision().to_string())
 }
 
-fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Divergence>) {
+fn answers(case: &Case, engines: &Engines) -> CaseAnswers {
     let prepared = BuiltinOracle.prepare(&case.a, &case.b);
     let pair = prepared.pair();
     let exact = |name: &str, tolerances: &ToleranceSet| EngineDecisions {
@@ -160,7 +176,7 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Diverge
     };
     let all: Vec<_> = engines.names().iter().filter_map(|name| engines.find(name)).collect();
     let mut said = vec![exact("ideal", &case.tolerances.ideal()), exact("exact", &case.tolerances)];
-    let mut partings = Vec::new();
+    let (mut partings, mut changed) = (Vec::new(), None);
     let mut part = |title: String,
                     one: &EngineDecisions,
                     other: &EngineDecisions,
@@ -180,7 +196,9 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Diverge
         let near =
             || Some((case.a.rounded(precision)?, case.b.rounded(precision)?, case.tolerances.rounded(precision).ok()?));
         let Some((a, b, tolerances)) = near() else { continue };
-        let prepared = BuiltinOracle.prepare(&a, &b);
+        let blocks = [a, b];
+        let [a, b] = &blocks;
+        let prepared = BuiltinOracle.prepare(a, b);
         let rounded = prepared.pair();
         let name = format!("exact {precision}");
         let contacts = Ok(rounded.classify(&tolerances).contacts);
@@ -190,7 +208,7 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Diverge
         let margins = |decisions: &[_]| rounded.margins(&tolerances, decisions);
         let mut others = Vec::new();
         for engine in all.iter().filter(|e| e.precision() == precision) {
-            let prepared = catch_panic(|| engine.prepare(&a, &b));
+            let prepared = catch_panic(|| engine.prepare(a, b));
             let (answer, trace) = match prepared {
                 Ok(prepared) => (catch_panic(|| prepared.answer(&tolerances)), prepared.trace(&tolerances)),
                 Err(failure) => (Err(failure), None),
@@ -203,24 +221,29 @@ fn answers(case: &Case, engines: &Engines) -> (Vec<EngineDecisions>, Vec<Diverge
                 Err(failure) => (Err(failure), None),
             };
             if let (Some(_), None) = (&state, &here.state) {
-                let exact = Separation::of(&a, &b);
+                let exact = Separation::of(a, b);
                 here.state = exact.map(|exact| format!("{} {:?} m", exact.state, exact.gap_m()));
             }
             let there = EngineDecisions { name: engine.name().to_owned(), contacts, trace, state };
             part(format!("arithmetic: {name}, {}", there.name), &here, &there, unit(precision), &margins);
+            let says_state = there.state.is_some();
             others.push(there);
+            let asked = RoundedQuestion { engine: &**engine, blocks: &blocks, tolerances: &tolerances, says_state };
+            if let Some(again) = changed_answers(case, &asked) {
+                others.extend(again.answers);
+                changed = Some(again.words);
+            }
         }
         said.push(here);
         said.extend(others);
     }
-    (said, partings)
+    CaseAnswers { said, partings, changed }
 }
 
 /// The same for programs.
 fn document(
     case: &Case,
-    said: &[EngineDecisions],
-    partings: &[Divergence],
+    CaseAnswers { said, partings, changed }: &CaseAnswers,
     recurrence: &Recurrence,
     is_expected: bool,
 ) -> Value {
@@ -253,16 +276,18 @@ fn document(
         "finding": {
             "cause": about.cause, "change": about.change, "engine": about.engine, "predicate": about.predicate,
             "features": about.features, "margin": about.margin, "roundoffs": about.margin_ulps, "origin": about.origin,
+            "note": about.note,
         },
         "recurs": recurrence.recurs(),
         "shown_instead": shown_instead,
         "exact_answer_as_recorded": is_expected,
+        "changed_pair": changed,
         "answers": said.iter().map(answer).collect::<Vec<_>>(),
         "partings": partings.iter().map(parting).collect::<Vec<_>>(),
     })
 }
 
-fn show(out: &mut impl Write, case: &Case, said: &[EngineDecisions], partings: &[Divergence]) -> io::Result<()> {
+fn show(out: &mut impl Write, case: &Case, CaseAnswers { said, partings, changed }: &CaseAnswers) -> io::Result<()> {
     let about = &case.about;
     // An engine from outside tells no decisions.
     let how = if about.cause == Cause::Engine.name() { "nearest tie" } else { "decided by" };
@@ -276,6 +301,10 @@ fn show(out: &mut impl Write, case: &Case, said: &[EngineDecisions], partings: &
         writeln!(out, "margin {margin:e}{ulps}")?;
     }
     writeln!(out, "from {}\n", excerpt(&about.origin, EXCERPT_LENGTH))?;
+    if let Some(words) = changed {
+        let change = &about.change;
+        writeln!(out, "{change}: \"…, {change}\" are answers to the same pair with {words}\n")?;
+    }
     let keys: BTreeSet<_> = said.iter().flat_map(|s| s.contacts.iter().flatten()).map(|c| c.key).collect();
     let mut header = vec!["contact"];
     header.extend(said.iter().map(|s| s.name.as_str()));

@@ -62,7 +62,8 @@ impl Shrink {
         panel.check_shortage()?;
         if !shows {
             let CaseDescription { cause, change, engine, predicate, .. } = about;
-            anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine} ({predicate})");
+            let predicate = if predicate.is_empty() { String::new() } else { format!(" ({predicate})") };
+            anyhow::bail!("{file}: the pair does not show its finding: {cause} {change} by {engine}{predicate}");
         }
         let before = size(&case);
         let small = counted_while((self.evaluations, "pairs at most"), "shrinking", |examined| {

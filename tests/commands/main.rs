@@ -24,6 +24,8 @@ mod check_command;
 mod command_line;
 mod compare_command;
 mod diagnosis;
+#[cfg(unix)]
+mod engine_answers;
 mod engine_processes;
 mod examine_command;
 mod examine_limits;

@@ -104,7 +104,7 @@ fn an_external_engine_and_a_grid_are_put_together_too() {
 fn counts(dir: &Path) -> Vec<u64> {
     let table = fs::read_to_string(dir.join("engines.csv")).expect("engines.csv");
     let row = table.lines().nth(1).expect("a row");
-    row.split(',').skip(1).map(|count| count.parse().expect("a count")).collect()
+    row.split(',').skip(1).take(4).map(|count| count.parse().expect("a count")).collect()
 }
 
 #[test]

@@ -102,7 +102,7 @@ impl CampaignConfig {
     }
 
     /// Leaves built-in engines alone in `engines`, by the names that tables have, and in `external` those that take part: what means the same
-    /// then is the same configuration, however it was asked for.
+    /// then is the same configuration, however it was asked for. Where a name is nobody's, all external ones stay, to be told of.
     pub fn settle_engines(&mut self) {
         for name in &mut self.engines {
             if let Some(full) = builtin::full_name(name) {
@@ -112,7 +112,7 @@ impl CampaignConfig {
         let (outside, builtin): (Vec<String>, Vec<String>) =
             self.engines.drain(..).partition(|name| self.external.iter().any(|spec| spec.name == *name));
         self.engines = builtin;
-        if !outside.is_empty() {
+        if !outside.is_empty() && self.engines.iter().all(|name| builtin::engine(name).is_some()) {
             self.external.retain(|spec| outside.contains(&spec.name));
         }
     }
@@ -166,6 +166,7 @@ mod tests {
         assert_eq!(settled(""), text("stepper-f32 stepper-f64", "mine other"));
         // A name that nobody has stays, to be refused.
         assert_eq!(settled("engines = [\"nobody\"]\n"), text("nobody", "mine other"));
+        assert_eq!(settled("engines = [\"mine\", \"nobody\"]\n"), text("nobody", "mine other"));
     }
 
     #[test]

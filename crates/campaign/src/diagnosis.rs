@@ -98,10 +98,11 @@ impl Differing {
     }
 }
 
-/// Whether a finding says that an answer differs from the exact one; the others are about failures, and about what an engine says of other pairs.
+/// Whether a finding says that an answer differs from the exact one; the others are about failures, answers that cannot be read among them, and
+/// about what an engine says of other pairs.
 fn is_difference(change: AnswerChange) -> bool {
-    use AnswerChange::{Entrance, Extra, Gap, GapSign, Kind, Malformed, Missing, Normal, State};
-    matches!(change, Missing | Extra | Kind | Entrance | GapSign | State | Gap | Normal | Malformed)
+    use AnswerChange::{Entrance, Extra, Gap, GapSign, Kind, Missing, Normal, State};
+    matches!(change, Missing | Extra | Kind | Entrance | GapSign | State | Gap | Normal)
 }
 
 impl Campaign<'_> {

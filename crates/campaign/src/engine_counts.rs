@@ -22,9 +22,15 @@ pub struct EngineRow {
     pub recovered: u64,
     /// Answers that nothing exact stands against.
     pub not_compared: u64,
+    /// What the first failures were that a fresh process did not repeat, with [`BETWEEN_FAILURES`] between them; empty in tables of earlier versions too.
+    #[serde(default)]
+    pub first_failures: String,
 }
 
-/// The columns of `engines.csv`.
+/// What stands between two failures in a row.
+const BETWEEN_FAILURES: &str = " | ";
+
+/// The columns that every `engines.csv` has; `first_failures` came after these.
 pub const ENGINE_COLUMNS: [&str; 5] = ["engine", "asked", "processes_started", "recovered", "not_compared"];
 
 /// The counts of earlier sessions or of parts, and those that the engines of a panel had when this session began.
@@ -43,7 +49,7 @@ impl EngineSums {
     pub(super) fn totals(&self, panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
         let mut sums = self.before.clone();
         for (name, now) in counts(panel) {
-            let since = self.at_start.get(&name).map_or(now, |start| now.since(start));
+            let since = self.at_start.get(&name).map_or_else(|| now.clone(), |start| now.since(start));
             add(&mut sums, name, &since);
         }
         sums
@@ -67,7 +73,7 @@ impl<'p> EngineMeter<'p> {
         let before = std::mem::replace(&mut *told, now.clone());
         now.into_iter()
             .map(|(name, now)| {
-                let since = before.get(&name).map_or(now, |before| now.since(before));
+                let since = before.get(&name).map_or_else(|| now.clone(), |before| now.since(before));
                 (name, since)
             })
             .collect()
@@ -89,8 +95,15 @@ fn counts(panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
 pub(super) fn to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (name, counts) in engines {
-        let EngineCounts { asked, processes_started, recovered, not_compared } = *counts;
-        writer.serialize(EngineRow { engine: name.clone(), asked, processes_started, recovered, not_compared })?;
+        let EngineCounts { asked, processes_started, recovered, not_compared, first_failures } = counts;
+        writer.serialize(EngineRow {
+            engine: name.clone(),
+            asked: *asked,
+            processes_started: *processes_started,
+            recovered: *recovered,
+            not_compared: *not_compared,
+            first_failures: first_failures.join(BETWEEN_FAILURES),
+        })?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
 }

@@ -265,7 +265,9 @@ impl Campaign<'_> {
         if !progress.engines.is_empty() {
             files.push((ENGINES, engine_counts::to_csv(&progress.engines)?));
         }
-        files.push(("run.json", self.run_json(journal, finished, more)?));
+        let rows = files.iter().map(|(name, bytes)| Ok(((*name).to_owned(), row_count(bytes)?.into())));
+        let rows = rows.collect::<csv::Result<Map<String, Value>>>()?;
+        files.push(("run.json", self.run_json(journal, finished, rows, more)?));
         Ok(files.into_iter().try_for_each(|(name, bytes)| journal.write(name, &bytes))?)
     }
 
@@ -329,7 +331,13 @@ impl Campaign<'_> {
         Some(batch)
     }
 
-    fn run_json(&self, journal: &Journal, finished: bool, more: Map<String, Value>) -> Result<Vec<u8>, RunError> {
+    fn run_json(
+        &self,
+        journal: &Journal,
+        finished: bool,
+        table_rows: Map<String, Value>,
+        more: Map<String, Value>,
+    ) -> Result<Vec<u8>, RunError> {
         let progress = journal.progress();
         let levels: Map<String, Value> =
             Levels::NAMES.iter().zip(progress.levels).map(|(name, count)| ((*name).to_owned(), count.into())).collect();
@@ -359,6 +367,7 @@ impl Campaign<'_> {
             "seconds": progress.seconds,
             "pairs_per_second": progress.pairs_done as f64 / progress.seconds.max(1e-9),
             "resumed": progress.resumed,
+            "table_rows": table_rows,
         });
         if self.makes_steps() {
             let counts = progress.steps.by_engine();
@@ -376,6 +385,16 @@ impl Campaign<'_> {
         bytes.push(b'\n');
         Ok(bytes)
     }
+}
+
+/// How many rows a table has below its header: whoever reads it sees whether it was cut off.
+fn row_count(table: &[u8]) -> csv::Result<u64> {
+    let mut count = 0;
+    for row in csv::Reader::from_reader(table).into_byte_records() {
+        row?;
+        count += 1;
+    }
+    Ok(count)
 }
 
 /// Rows of `findings.csv` or `step_findings.csv`, each with the case file of its finding.

@@ -8,6 +8,7 @@ use super::finding::Cause;
 use super::indexed_trace::IndexedTrace;
 use super::separation_state::ReportedState;
 use rockproof_model::decision::Decision;
+use rockproof_model::text::excerpt;
 use rockproof_model::{Block, Contact, ContactKey, ExpectedContact, Precision, ToleranceSet, unexpected_contacts};
 use serde::{Deserialize, Serialize};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -67,7 +68,7 @@ pub struct Shortage {
 }
 
 /// What an external engine was put through. These depend on threads and on luck; findings do not.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EngineCounts {
     /// Questions asked.
@@ -78,9 +79,19 @@ pub struct EngineCounts {
     pub recovered: u64,
     /// Answers that nothing exact stands against.
     pub not_compared: u64,
+    /// What the first of the failures were that a fresh process did not repeat, each text once, at most [`EngineCounts::FIRST_FAILURES`] of them. Runs
+    /// of earlier versions have none.
+    #[serde(default)]
+    pub first_failures: Vec<String>,
 }
 
 impl EngineCounts {
+    /// So many of the failures are told.
+    pub const FIRST_FAILURES: usize = 3;
+
+    /// So many characters of each.
+    const FAILURE_LENGTH: usize = 400;
+
     /// What came on top of `before` since it was taken.
     #[must_use]
     pub fn since(&self, before: &EngineCounts) -> EngineCounts {
@@ -89,18 +100,33 @@ impl EngineCounts {
             processes_started: self.processes_started.saturating_sub(before.processes_started),
             recovered: self.recovered.saturating_sub(before.recovered),
             not_compared: self.not_compared.saturating_sub(before.not_compared),
+            first_failures: self.first_failures.iter().skip(before.first_failures.len()).cloned().collect(),
         }
     }
 
     /// The sums of both.
     #[must_use]
     pub fn plus(&self, other: &EngineCounts) -> EngineCounts {
+        let mut first_failures = self.first_failures.clone();
+        other.first_failures.iter().for_each(|failure| EngineCounts::note(&mut first_failures, failure.clone()));
         EngineCounts {
             asked: self.asked.saturating_add(other.asked),
             processes_started: self.processes_started.saturating_add(other.processes_started),
             recovered: self.recovered.saturating_add(other.recovered),
             not_compared: self.not_compared.saturating_add(other.not_compared),
+            first_failures,
         }
+    }
+
+    fn note(failures: &mut Vec<String>, failure: String) {
+        if failures.len() < EngineCounts::FIRST_FAILURES && !failures.contains(&failure) {
+            failures.push(failure);
+        }
+    }
+
+    /// Keeps what a failure was that a fresh process did not repeat, if it is one of the first.
+    pub fn note_failure(failures: &mut Vec<String>, failure: &EngineFailure) {
+        EngineCounts::note(failures, excerpt(&failure.to_string(), EngineCounts::FAILURE_LENGTH));
     }
 
     /// Says that failures did not repeat, where there were any.
@@ -284,4 +310,27 @@ pub fn catch_panic<T>(work: impl FnOnce() -> Result<T, EngineFailure>) -> Result
             .unwrap_or_else(|| "no message".to_owned());
         Err(EngineFailure::Failed(format!("panic: {text}")))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{EngineCounts, EngineFailure};
+
+    #[test]
+    fn the_first_failures_are_few_short_and_told_once() {
+        let of = |texts: &[&str]| {
+            let mut counts = EngineCounts::default();
+            for text in texts {
+                EngineCounts::note_failure(&mut counts.first_failures, &EngineFailure::Crashed((*text).to_owned()));
+            }
+            counts
+        };
+        let (one, long) = (of(&["a", "a", "\u{1b}[31m"]), of(&[&"x".repeat(10_000), "a", "b", "c"]));
+        assert_eq!(one.first_failures, ["crashed: a", "crashed: \\u{1b}[31m"]);
+        assert_eq!(long.first_failures.len(), EngineCounts::FIRST_FAILURES);
+        assert!(long.first_failures[0].chars().count() <= 401, "{long:?}");
+        let sum = one.plus(&of(&["a", "b", "c"]));
+        assert_eq!(sum.first_failures, ["crashed: a", "crashed: \\u{1b}[31m", "crashed: b"]);
+        assert_eq!(sum.since(&one).first_failures, ["crashed: b"]);
+    }
 }

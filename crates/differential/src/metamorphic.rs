@@ -6,6 +6,7 @@
 //! goes through the same check, and what changes in its answer is allowed to change in the same way in the engine's.
 
 use super::attribution::{WantedFindings, answers_differ, engine_trace, expected};
+use super::collision;
 use super::compare::{AnswerChange, Difference, Features, differences};
 use super::engine::{Engine, Oracle, Prepared, catch_panic};
 use super::explain::{ChainLink, explain};
@@ -77,6 +78,54 @@ pub fn check(base: &MetamorphicBase<'_>) -> MetamorphicResult {
         }
     }
     checks
+}
+
+/// The pairs that a check asks about, for whoever shows its finding.
+pub struct ChangedPairs {
+    /// What was changed.
+    pub words: String,
+    /// The changed pair; a block far away is put second, then first.
+    pub pairs: Vec<Transformed>,
+}
+
+impl ChangedPairs {
+    /// The pairs of the check whose findings have this change, `says_state` for an engine that says only how blocks lie; `None` where there is no such check,
+    /// or it cannot be made of the pair.
+    pub fn of(
+        change: &str,
+        exact: &ExactBlocks<'_>,
+        blocks: &[Block; 2],
+        tolerances: &ToleranceSet,
+        precision: Precision,
+        says_state: bool,
+    ) -> Option<ChangedPairs> {
+        let moved_m = |before: &Block, after: &Block| {
+            let [before, after] = [before, after].map(|block| block.vertices()[0].x.approximate());
+            after - before
+        };
+        if change == AnswerChange::FarBlock.name() {
+            let [a, b] = blocks;
+            let far = match says_state {
+                true => collision::far_away(blocks, precision),
+                false => far_away(blocks, tolerances, precision),
+            }?;
+            let words = format!("B moved by {:?} m along x", moved_m(b, &far));
+            let pair = Transformed::unchanged([a.clone(), far]);
+            let pairs = if says_state { vec![pair] } else { vec![pair.clone(), pair.exchanged()] };
+            return Some(ChangedPairs { words, pairs });
+        }
+        let transform = Transform::ALL.into_iter().find(|transform| transform.change().name() == change)?;
+        let pair = transform.apply(exact, blocks, precision)?;
+        let words = match transform {
+            Transform::Swap => "A and B exchanged".to_owned(),
+            Transform::Renumber => "vertices and faces numbered backwards".to_owned(),
+            Transform::Translate => {
+                format!("both blocks moved by {:?} m along each axis", moved_m(&blocks[0], &pair.blocks[0]))
+            }
+            Transform::Scale => "all lengths, those of the tolerances too, divided by 128".to_owned(),
+        };
+        Some(ChangedPairs { words, pairs: vec![pair] })
+    }
 }
 
 fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed, checks: &mut MetamorphicResult) {

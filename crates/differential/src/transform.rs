@@ -69,10 +69,9 @@ impl Transform {
     /// which a new numbering needs to keep the convexity flags, `rounded` the same as the engine sees them.
     pub fn apply(self, exact: &ExactBlocks<'_>, rounded: &[Block; 2], precision: Precision) -> Option<Transformed> {
         let [a, b] = rounded;
-        let one = Number::from_integer(1);
-        let unchanged = Transformed { blocks: [a.clone(), b.clone()], swapped: false, numbering: None, scale: one };
+        let unchanged = Transformed::unchanged(rounded.clone());
         match self {
-            Transform::Swap => Some(Transformed { blocks: [b.clone(), a.clone()], swapped: true, ..unchanged }),
+            Transform::Swap => Some(unchanged.exchanged()),
             Transform::Renumber => {
                 let [(a, of_a), (b, of_b)] = exact.renumbered()?;
                 let blocks = [a.rounded(precision)?, b.rounded(precision)?];
@@ -98,6 +97,17 @@ impl Transform {
 }
 
 impl Transformed {
+    /// Blocks numbered and scaled as those of the pair.
+    pub(super) fn unchanged(blocks: [Block; 2]) -> Transformed {
+        Transformed { blocks, swapped: false, numbering: None, scale: Number::from_integer(1) }
+    }
+
+    /// The same with A and B exchanged.
+    pub(super) fn exchanged(self) -> Transformed {
+        let [a, b] = self.blocks;
+        Transformed { blocks: [b, a], swapped: !self.swapped, ..self }
+    }
+
     /// The tolerance set for the changed pair: lengths are scaled with it.
     pub fn tolerances(&self, tolerances: &ToleranceSet) -> ToleranceSet {
         let mut scaled = tolerances.clone();

@@ -7,11 +7,13 @@ use super::rows::CsvTable;
 use super::step_tally::StepTally;
 use super::tally::FindingTally;
 use super::{lockstep, motion, stress, timing};
+use rockproof_campaign::engine_counts::{ENGINE_COLUMNS, ENGINES};
 use rockproof_campaign::merge::Parts;
 use rockproof_campaign::part::Part;
 use rockproof_campaign::proportion::{ClusterSums, Proportion};
 use rockproof_campaign::steps::summary::{StepCounts, StepGroup};
 use rockproof_campaign::steps::{STEP_SUMMARY_COLUMNS, StepSummaryRow};
+use rockproof_campaign::summary::SUMMARY_COLUMNS;
 use rockproof_differential::agreement::{
     AGREEMENT_COLUMNS, AgreementCounts, AgreementRow, CONFUSION_COLUMNS, ChainSpan, ComparisonKey, ConfusionRow,
 };
@@ -20,7 +22,7 @@ use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_differential::row::FindingRow;
 use rockproof_model::files::{read_text, refuse_what_is_no_file};
-use rockproof_model::text::{EXCERPT_LENGTH, escaped, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, escaped, excerpt, noun};
 use rockproof_results::is_inside;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -71,6 +73,9 @@ pub struct RunFile {
     /// What external engines were put through.
     #[serde(default)]
     pub external_engines: BTreeMap<String, EngineCounts>,
+    /// How many rows its tables of counts have; runs of earlier versions do not say.
+    #[serde(default)]
+    pub table_rows: BTreeMap<String, u64>,
 }
 
 /// Where a campaign ran.
@@ -150,6 +155,15 @@ impl Results {
             let has = |name: &str| dir.join(name).is_file();
             let (campaign, lockstep, timing) = (has("findings.csv"), has("lockstep.csv"), has(timing::FILE));
             let (motion, stress) = (has(motion::FILE), has(stress::FILE));
+            let findings = dir.join("findings.csv");
+            if !findings.exists() && has("agreement.csv") {
+                let other = "the other tables of a campaign are there: it was left out or removed".to_owned();
+                return Err(ReportError::Contradiction {
+                    file: findings,
+                    found: "the file is missing".to_owned(),
+                    other,
+                });
+            }
             if !campaign && !lockstep && !timing && !motion && !stress {
                 for name in ["findings.csv", "lockstep.csv", timing::FILE, motion::FILE, stress::FILE] {
                     let file = dir.join(name);
@@ -278,6 +292,7 @@ impl CampaignRun {
             });
         }
         let name = name_of(dir);
+        check_rows(dir, &run)?;
         let file = dir.join("step_summary.csv");
         let steps = if file.is_file() { read_steps(&file)? } else { Vec::new() };
         let file = dir.join("diagnosis.csv");
@@ -376,6 +391,33 @@ pub fn is_made_for_ties(setting: &str) -> bool {
     setting.ends_with("(ladders)")
         || setting.ends_with("-steep")
         || ["dyadic", "fractional"].iter().any(|start| setting.starts_with(start))
+}
+
+/// Checks that the tables of counts have as many rows as `run.json` says, which knows of no others.
+fn check_rows(dir: &Path, run: &RunFile) -> Result<(), ReportError> {
+    // Tables that are read here, in `compare` or by people.
+    let tables: [(&str, &[&str], bool); 5] = [
+        ("agreement.csv", &AGREEMENT_COLUMNS, true),
+        ("confusion.csv", &CONFUSION_COLUMNS, true),
+        ("step_summary.csv", STEP_SUMMARY_COLUMNS, true),
+        ("summary.csv", &SUMMARY_COLUMNS, false),
+        (ENGINES, &ENGINE_COLUMNS, false),
+    ];
+    for (name, columns, is_needed) in tables {
+        let file = dir.join(name);
+        let Some(&expected) = run.table_rows.get(name).filter(|_| is_needed || file.is_file()) else { continue };
+        let mut rows = CsvTable::open_wider(file.clone(), columns)?;
+        let mut found = 0;
+        while rows.next(&[])?.is_some() {
+            found += 1;
+        }
+        if found != expected {
+            let found = format!("{found} {}", noun(found, "row", "rows"));
+            let other = format!("run.json counts {expected}: a file was changed or cut off");
+            return Err(ReportError::Contradiction { file, found, other });
+        }
+    }
+    Ok(())
 }
 
 fn read_agreement(file: &Path) -> Result<Vec<(String, ComparisonKey, AgreementCounts)>, ReportError> {

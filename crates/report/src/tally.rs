@@ -149,11 +149,12 @@ impl FindingTally {
         }
     }
 
-    /// The finding with a case to look at first: of the cause that worries most, the furthest from a tie; one that an engine does not take where there are
-    /// no others.
-    pub fn worst_of_all(&self) -> Option<&WorstFinding> {
-        let first = || WORRYING.iter().filter_map(|cause| self.worst.get(cause)?.first());
-        first().find(|worst| !worst.is_unsupported()).or_else(|| first().next())
+    /// The finding with a case to look at first, of those that `is_shown` takes: of the cause that worries most, the furthest from a tie; one that an
+    /// engine does not take where there are no others.
+    pub fn worst_of_all(&self, is_shown: impl Fn(&WorstFinding) -> bool) -> Option<&WorstFinding> {
+        let worst = || WORRYING.iter().filter_map(|cause| self.worst.get(cause)).flatten();
+        let supported = worst().find(|worst| !worst.is_unsupported() && is_shown(worst));
+        supported.or_else(|| worst().find(|worst| is_shown(worst)))
     }
 
     /// Findings by cause.
@@ -189,10 +190,13 @@ mod tests {
         let unsupported = "1,concave_notch,base,auto,mine,engine,unsupported,,,,,,,cases/a.toml";
         let wrong = "2,sliver,base,auto,mine,engine,normal,v-f,v-f,gap-sign,0,1e-3,2e15,cases/b.toml";
         let built_in = "3,sliver,base,auto,stepper-f64,arithmetic,missing,v-f,,gap-sign,0,1e-9,3,cases/c.toml";
-        let first = |rows: &[&str]| tally(rows).worst_of_all().map(|worst| worst.index);
+        let first = |rows: &[&str]| tally(rows).worst_of_all(|_| true).map(|worst| worst.index);
         assert_eq!(first(&[unsupported, wrong]), Some(2));
         assert_eq!(first(&[unsupported, built_in]), Some(3));
         assert_eq!(first(&[unsupported]), Some(1));
+        let found = tally(&[unsupported, wrong, built_in]);
+        let but = |index| found.worst_of_all(move |worst| worst.index != index).map(|worst| worst.index);
+        assert_eq!([but(2), but(3)], [Some(3), Some(2)]);
         let ranked: Vec<u64> = tally(&[unsupported, wrong]).worst[&Cause::Engine].iter().map(|w| w.index).collect();
         assert_eq!(ranked, [2, 1]);
     }
@@ -205,7 +209,7 @@ mod tests {
             )
         };
         let rows = [row(1, "dyadic-deep"), row(2, "auto:territory"), row(3, "auto")];
-        let worst = tally(&rows.each_ref().map(String::as_str)).worst_of_all().map(|worst| worst.index);
+        let worst = tally(&rows.each_ref().map(String::as_str)).worst_of_all(|_| true).map(|worst| worst.index);
         assert_eq!(worst, Some(3));
     }
 }

@@ -22,16 +22,11 @@ pub struct CollisionQuery<'x> {
 }
 
 impl CollisionQuery<'_> {
-    /// The largest coordinate of the pair (m).
-    fn largest_coordinate(&self) -> f64 {
-        self.blocks.iter().flat_map(Block::coordinates).map(|c| c.approximate().abs()).fold(0.0, f64::max)
-    }
-
     /// What is wrong with an answer, and the comparison; `None` where the exact side has no answer: a block is concave.
     pub fn compare(&self, reported: ReportedState) -> Option<(Option<AnswerChange>, StateComparison)> {
         let [a, b] = self.blocks;
         let exact = Separation::of(a, b)?;
-        let (reach, epsilon) = (self.largest_coordinate(), self.precision.epsilon());
+        let (reach, epsilon) = (largest_coordinate(self.blocks), self.precision.epsilon());
         let gap = exact.gap_m();
         let margin = if reach > 0.0 { gap / reach } else { 0.0 };
         let slack = self.accuracy as f64 * epsilon * reach;
@@ -108,7 +103,7 @@ impl CollisionCheck<'_> {
                 }
             }
         }
-        if let Some(far) = far_away(&asked) {
+        if let Some(far) = far_away(self.blocks, asked.precision) {
             judgement.made += 1;
             let again = self.ask(&[self.blocks[0].clone(), far], self.tolerances);
             if let Some(again) = again.filter(|again| again.state != SeparationState::Apart) {
@@ -130,13 +125,18 @@ impl CollisionCheck<'_> {
     }
 }
 
+/// The largest coordinate of a pair (m).
+fn largest_coordinate(blocks: &[Block; 2]) -> f64 {
+    blocks.iter().flat_map(Block::coordinates).map(|c| c.approximate().abs()).fold(0.0, f64::max)
+}
+
 /// B moved along x by eight times the largest coordinate or more, where that keeps its features.
-fn far_away(asked: &CollisionQuery<'_>) -> Option<Block> {
-    let exponent = (8.0 * asked.largest_coordinate()).log2().ceil();
+pub(super) fn far_away(blocks: &[Block; 2], precision: Precision) -> Option<Block> {
+    let exponent = (8.0 * largest_coordinate(blocks)).log2().ceil();
     if !exponent.is_finite() {
         return None;
     }
     let step = Number::from_f64(exponent.exp2()).ok()?;
-    let moved = asked.blocks[1].translated(&Point::new(step, Number::ZERO, Number::ZERO)).rounded(asked.precision)?;
+    let moved = blocks[1].translated(&Point::new(step, Number::ZERO, Number::ZERO)).rounded(precision)?;
     super::collapse::collapsed_feature(&moved).is_none().then_some(moved)
 }

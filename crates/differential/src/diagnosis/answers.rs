@@ -6,6 +6,23 @@ use crate::collision::CollisionQuery;
 use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::{Contact, Entrance, EntranceKind, Sign};
 
+/// No contact is reported, whatever the blocks do.
+struct NoContacts;
+
+impl Hypothesis for NoContacts {
+    fn name(&self) -> String {
+        "no-contacts".to_owned()
+    }
+
+    fn sentence(&self) -> String {
+        "but that no contact at all is reported".to_owned()
+    }
+
+    fn contacts(&self, _: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
+        Some(Vec::new())
+    }
+}
+
 /// What is said wrongly.
 #[derive(Clone, Copy, Debug)]
 enum WrongReply {
@@ -27,6 +44,11 @@ enum WrongReply {
     Squared,
     /// Blocks that touch are said to lie so.
     Touching(SeparationState),
+}
+
+/// The hypothesis that needs no other: nothing is reported. Tolerances, rules and kinds left out come to the same for many pairs.
+pub(super) fn simplest() -> Box<dyn Hypothesis> {
+    Box::new(NoContacts)
 }
 
 /// The hypotheses about what is said wrongly.

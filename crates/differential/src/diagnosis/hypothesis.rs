@@ -43,15 +43,14 @@ pub(super) trait Hypothesis: Send + Sync {
 pub(super) fn fits(hypothesis: &dyn Hypothesis, asked: &PreparedQuestion<'_>) -> Option<bool> {
     match &asked.question.reply {
         Reply::State(said) => hypothesis.says_state(asked, *said),
-        Reply::Contacts(_) | Reply::Nothing(_) => {
-            hypothesis.contacts(asked).map(|contacts| asked.has_contacts(&contacts))
-        }
+        Reply::Contacts(_) => hypothesis.contacts(asked).map(|contacts| asked.has_contacts(&contacts)),
+        Reply::Nothing(_) => None,
     }
 }
 
 /// All hypotheses. Where two explain as much, the first is named first.
 pub(super) fn all() -> Vec<Box<dyn Hypothesis>> {
-    let mut all: Vec<Box<dyn Hypothesis>> = Vec::new();
+    let mut all = vec![answers::simplest()];
     all.extend(input::all());
     all.extend(answers::all());
     all.extend(tolerances::all());

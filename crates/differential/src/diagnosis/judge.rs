@@ -11,7 +11,7 @@ use rockproof_model::{Block, Contact, ToleranceSet};
 /// Answers of one engine.
 #[derive(Clone, Debug, Default)]
 pub struct Sample {
-    /// Questions that it answered otherwise than exactly in the campaign, asked again.
+    /// Questions that it answered otherwise than exactly in the campaign, asked again. Those without an answer now count for nothing.
     pub differing: Vec<Question>,
     /// Questions that it answers exactly.
     pub agreeing: Vec<Question>,
@@ -64,8 +64,11 @@ impl Against {
 /// Says which hypotheses explain the differing answers of an engine. The same rows for the same sample, as long as the engine says the same.
 pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<DiagnosisRow> {
     let hypotheses = all();
-    let judged: Vec<Judged> = sample.differing.par_iter().map(|question| judge(question, &hypotheses)).collect();
-    let (differing, agreeing) = (sample.differing.len() as u64, sample.agreeing.len() as u64);
+    // A crash, a late answer or one that cannot be read says nothing about contacts, so no hypothesis about contacts can explain it.
+    let answered: Vec<&Question> =
+        sample.differing.iter().filter(|question| !matches!(question.reply, Reply::Nothing(_))).collect();
+    let judged: Vec<Judged> = answered.par_iter().map(|question| judge(question, &hypotheses)).collect();
+    let (differing, agreeing) = (answered.len() as u64, sample.agreeing.len() as u64);
     let row = |verdict, answers: usize| DiagnosisRow {
         engine: engine.to_owned(),
         verdict,
@@ -115,18 +118,18 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
         let of_best = explained(best, &left);
         let alike: Vec<usize> =
             standing.iter().copied().filter(|&number| explained(number, &left) == of_best).collect();
-        let questions: Vec<&Question> = of_best.iter().map(|&at| &sample.differing[at]).collect();
+        let questions: Vec<&Question> = of_best.iter().map(|&at| answered[at]).collect();
         let alike = told_apart(distinct(alike, &hypotheses, &questions), &hypotheses, &questions, asking);
         for (place, &number) in alike.iter().enumerate() {
             let verdict = if place == 0 { DiagnosisVerdict::Explains } else { DiagnosisVerdict::AsWell };
-            let example = worst(&of_best, &judged, sample);
+            let example = worst(&of_best, &judged, &answered);
             rows.push(DiagnosisRow { example, ..about(verdict, number, count, against[number]) });
         }
         chosen.extend(alike.first().copied());
         left.retain(|at| !of_best.contains(at));
     }
     let (near, unexplained): (Vec<usize>, Vec<usize>) =
-        left.iter().copied().partition(|&at| is_near(&sample.differing[at], &judged[at], &chosen, &hypotheses));
+        left.iter().copied().partition(|&at| is_near(answered[at], &judged[at], &chosen, &hypotheses));
     let others = [
         (DiagnosisVerdict::Rounding, near),
         (DiagnosisVerdict::Unexplained, unexplained),
@@ -134,7 +137,7 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
     ];
     for (verdict, answers) in others {
         if !answers.is_empty() {
-            rows.push(DiagnosisRow { example: worst(&answers, &judged, sample), ..row(verdict, answers.len()) });
+            rows.push(DiagnosisRow { example: worst(&answers, &judged, &answered), ..row(verdict, answers.len()) });
         }
     }
     let mut fallen: Vec<(usize, usize)> = alive
@@ -200,8 +203,8 @@ fn is_near(question: &Question, judged: &Judged, chosen: &[usize], hypotheses: &
 }
 
 /// One of some answers: the furthest from a tie among those with a case file, or else among all.
-fn worst(answers: &[usize], judged: &[Judged], sample: &Sample) -> String {
-    let label = |at: usize| &sample.differing[at].label;
+fn worst(answers: &[usize], judged: &[Judged], questions: &[&Question]) -> String {
+    let label = |at: usize| &questions[at].label;
     let best = answers.iter().copied().rev().max_by(|&one, &other| {
         let key = |at: usize| (label(at).ends_with(".toml"), judged[at].roundoffs);
         let ((one_case, one), (other_case, other)) = (key(one), key(other));
@@ -321,6 +324,33 @@ mod tests {
         assert_eq!(first(|said| said.gap_m = said.gap_m.map(|gap| 1000.0 * gap)), told(Explains, "gap-in-millimetres"));
         assert_eq!(first(|said| said.gap_m = said.gap_m.map(|gap| gap + 0.3)), told(Unexplained, ""));
         assert_eq!(first(|_| {}), told(NotRepeated, ""));
+    }
+
+    /// Four pairs with contacts, each with the same answer, and a pair without contacts that is answered so.
+    fn of_replies(reply: &Reply) -> Vec<DiagnosisRow> {
+        let with = |gap: f64, reply: Reply| Question { reply, ..question(gap, said(gap, |_| {})) };
+        let differing = [0.0, 0.5, 1.0, 2.0].map(|gap| with(gap / 1048576.0, reply.clone())).to_vec();
+        assert!(differing.iter().all(Question::has_contacts));
+        let sample = Sample { differing, agreeing: vec![with(4.0, Reply::Contacts(Vec::new()))], all_differing: 4 };
+        diagnose("mine", &sample, &|_, _| reply.clone())
+    }
+
+    #[test]
+    fn an_engine_that_reports_no_contacts_is_told_just_that() {
+        let rows = of_replies(&Reply::Contacts(Vec::new()));
+        let told: Vec<_> = rows.iter().map(|row| (row.verdict, row.hypothesis.as_str(), row.answers)).collect();
+        assert_eq!(told[0], (DiagnosisVerdict::Explains, "no-contacts", 4), "{rows:#?}");
+        let words = rows[0].words().expect("words");
+        assert!(words.contains("4 of 4 differing answers are exact but that no contact at all is reported"), "{words}");
+    }
+
+    #[test]
+    fn what_is_no_answer_is_not_diagnosed() {
+        use crate::compare::AnswerChange::{Crash, Malformed, Timeout, Unstable, Unsupported};
+        for change in [Malformed, Unsupported, Timeout, Unstable, Crash] {
+            let rows = of_replies(&Reply::Nothing(change));
+            assert!(rows.is_empty(), "{change}: {rows:#?}");
+        }
     }
 
     #[test]

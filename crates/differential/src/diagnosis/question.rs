@@ -6,7 +6,6 @@ use crate::engine::{Answer, Engine, ExactPair, catch_panic};
 use crate::explain::{ChainLink, nearest_decisions};
 use crate::external::protocol::completed;
 use crate::separation_state::ReportedState;
-use rockproof_model::decision::{Feature, Side};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use rockproof_oracle::{Pair, PreparedBlock};
 use std::cell::RefCell;
@@ -119,19 +118,12 @@ impl<'q> PreparedQuestion<'q> {
         }
     }
 
-    /// Whether the engine said just these contacts; contacts of features that the blocks do not have cannot be said, and are no answer.
+    /// Whether the engine said just these contacts.
     pub(super) fn has_contacts(&self, contacts: &[Contact]) -> bool {
         match &self.question.reply {
             Reply::Contacts(said) => completed(said.clone(), contacts) == contacts,
-            Reply::State(_) => false,
-            Reply::Nothing(change) => *change == AnswerChange::Malformed && !self.can_be_said(contacts),
+            Reply::State(_) | Reply::Nothing(_) => false,
         }
-    }
-
-    fn can_be_said(&self, contacts: &[Contact]) -> bool {
-        let features = self.features();
-        let named = |contact: &Contact| contact.key.features().into_iter().chain(contact.entrance.features());
-        contacts.iter().flat_map(named).all(|feature| exists(feature, features))
     }
 
     pub(super) fn features(&self) -> Features<'_> {
@@ -168,12 +160,4 @@ impl<'q> PreparedQuestion<'q> {
         };
         nearest_decisions(&changed, &link, features).into_iter().map(from).fold(0.0, f64::max)
     }
-}
-
-/// Whether a feature exists: [`Features::vertices`] takes a vertex's number as it is.
-fn exists(feature: Feature, features: Features<'_>) -> bool {
-    feature.is_in(match feature.side() {
-        Side::A => features.a,
-        Side::B => features.b,
-    })
 }

@@ -38,6 +38,23 @@ struct EngineCounters {
     started: AtomicU64,
     recovered: AtomicU64,
     uncompared: AtomicU64,
+    /// [`EngineCounts::first_failures`].
+    failures: Mutex<Vec<String>>,
+}
+
+impl EngineCounters {
+    fn failures(&self) -> MutexGuard<'_, Vec<String>> {
+        self.failures.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What a note says of an answer that the program gave beside those asked for, when it had answered before.
+const BESIDE_ANSWERS: &str =
+    "output that nobody asked for, from a process that had answered before: a fresh one may not come to it";
+
+/// Whether the note of a finding is about such output, so that asking about the pair alone may not show it.
+pub fn is_of_earlier_answers(note: &str) -> bool {
+    note.contains(BESIDE_ANSWERS)
 }
 
 struct Shared {
@@ -116,6 +133,9 @@ impl External {
             let again = self.ask_fresh(question);
             if again.process.is_some() {
                 self.0.counts.recovered.fetch_add(1, Ordering::Relaxed);
+                if let Err(failure) = &asked.answer {
+                    EngineCounts::note_failure(&mut self.0.counts.failures(), failure);
+                }
             }
             return again;
         }
@@ -125,7 +145,7 @@ impl External {
     fn ask_fresh(&self, question: &Question<'_>) -> Asked {
         match self.start() {
             Ok(fresh) => self.ask_of(fresh, question),
-            Err(silence) => self.silent(silence),
+            Err(silence) => self.silent(silence, 0),
         }
     }
 
@@ -138,10 +158,13 @@ impl External {
         match process.ask(line, patience) {
             Ok(line) => {
                 let features = [question.pair.a.topology(), question.pair.b.topology()];
-                let answer = protocol::answer(&line, id, features);
-                if matches!(answer, Err(EngineFailure::Malformed(_))) {
+                let mut answer = protocol::answer(&line, id, features);
+                if let Err(EngineFailure::Malformed(what)) = &mut answer {
                     // A line that is no answer may be one that nobody asked for, with the answer behind it. Of a fresh process it would come again.
                     let unasked = id > 0 && (protocol::is_of_earlier(&line, id) || process.has_unread_output());
+                    if unasked {
+                        *what = format!("{BESIDE_ANSWERS}; {what}");
+                    }
                     // Who knows what else it is about to say.
                     process.kill();
                     return Asked { answer, process: None, unasked };
@@ -150,20 +173,22 @@ impl External {
             }
             Err(silence) => {
                 process.kill();
-                self.silent(silence)
+                self.silent(silence, id)
             }
         }
     }
 
-    fn silent(&self, silence: NoAnswer) -> Asked {
+    /// What no answer comes to, of a process that was asked so many questions before.
+    fn silent(&self, silence: NoAnswer, before: u64) -> Asked {
         #[cfg(unix)]
         let unasked = silence == NoAnswer::Unasked;
         #[cfg(not(unix))]
         let unasked = false;
-        Asked { answer: Err(self.verdict(silence)), process: None, unasked }
+        Asked { answer: Err(self.verdict(silence, before)), process: None, unasked }
     }
 
-    fn verdict(&self, silence: NoAnswer) -> EngineFailure {
+    #[cfg_attr(not(unix), allow(unused_variables, reason = "no process is asked here"))]
+    fn verdict(&self, silence: NoAnswer, before: u64) -> EngineFailure {
         match silence {
             NoAnswer::NotStarted(why) => EngineFailure::Crashed(why),
             #[cfg(unix)]
@@ -178,9 +203,10 @@ impl External {
             #[cfg(unix)]
             NoAnswer::TooLong => EngineFailure::Malformed(format!("a line of more than {LONGEST_ANSWER} bytes")),
             #[cfg(unix)]
-            NoAnswer::Unasked => EngineFailure::Malformed(
-                "output that nobody asked for; each question has one line in answer".to_owned(),
-            ),
+            NoAnswer::Unasked => {
+                let what = if before == 0 { "output that nobody asked for" } else { BESIDE_ANSWERS };
+                EngineFailure::Malformed(format!("{what}; each question has one line in answer"))
+            }
         }
     }
 }
@@ -238,12 +264,13 @@ impl Engine for External {
 
     fn counts(&self) -> Option<EngineCounts> {
         let count = |n: &AtomicU64| n.load(Ordering::Relaxed);
-        let EngineCounters { asked, started, recovered, uncompared } = &self.0.counts;
+        let EngineCounters { asked, started, recovered, uncompared, .. } = &self.0.counts;
         Some(EngineCounts {
             asked: count(asked),
             processes_started: count(started),
             recovered: count(recovered),
             not_compared: count(uncompared),
+            first_failures: self.0.counts.failures().clone(),
         })
     }
 }
