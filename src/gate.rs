@@ -222,8 +222,9 @@ impl Gate {
             print_as_it_is(&junit::annotations(checks))?;
         }
         if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) {
-            let mut summary = std::fs::OpenOptions::new().append(true).create(true).open(&path)?;
-            summary.write_all(junit::markdown(checks).as_bytes())?;
+            let named = || path.display().to_string();
+            let mut summary = fs::OpenOptions::new().append(true).create(true).open(&path).with_context(named)?;
+            summary.write_all(junit::markdown(checks).as_bytes()).with_context(named)?;
         }
         Ok(if failed == 0 { ExitStatus::Passed } else { ExitStatus::CheckFailed })
     }
