@@ -22,7 +22,7 @@ pub struct EngineRow {
     pub recovered: u64,
     /// Answers that nothing exact stands against.
     pub not_compared: u64,
-    /// What the first failures were that a fresh process did not repeat, with [`BETWEEN_FAILURES`] between them; empty in tables of earlier versions too.
+    /// What the first failures were that a fresh process did not repeat, with ` | ` between them; empty in tables of earlier versions too.
     #[serde(default)]
     pub first_failures: String,
 }

@@ -59,7 +59,7 @@ impl Pipes {
         Ok(Pipes { stdin: Some(stdin), stdout, stderr: Some(stderr), unsent, read, tail })
     }
 
-    /// Takes what is to be written; [`Pipes::look`] writes it.
+    /// Takes what is to be written; [`Pipes::poll`] writes it.
     pub(super) fn send(&mut self, bytes: Vec<u8>) {
         self.unsent = (bytes, 0);
     }
