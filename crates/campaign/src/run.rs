@@ -8,7 +8,7 @@ use super::journal::{CampaignProgress, Journal, NewRows, ProgressCounts};
 use super::merge::MergeError;
 use super::part::Part;
 use super::steps::{self, StepEngine, StepFinding};
-use super::summary::PairGroup;
+use super::summary::{PairGroup, row_count};
 use rockproof_differential::agreement_record::AgreementRecord;
 use rockproof_differential::attribution::{EnginePanel, PairExamination, examine_pair};
 use rockproof_differential::engine::{Levels, Shortage};
@@ -385,16 +385,6 @@ impl Campaign<'_> {
         bytes.push(b'\n');
         Ok(bytes)
     }
-}
-
-/// How many rows a table has below its header: whoever reads it sees whether it was cut off.
-fn row_count(table: &[u8]) -> csv::Result<u64> {
-    let mut count = 0;
-    for row in csv::Reader::from_reader(table).into_byte_records() {
-        row?;
-        count += 1;
-    }
-    Ok(count)
 }
 
 /// Rows of `findings.csv` or `step_findings.csv`, each with the case file of its finding.

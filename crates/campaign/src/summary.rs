@@ -193,3 +193,12 @@ impl Summary {
         written(&SUMMARY_COLUMNS, self.rows())
     }
 }
+/// How many rows a table has below its header: whoever reads it sees whether it was cut off.
+pub(crate) fn row_count(table: &[u8]) -> csv::Result<u64> {
+    let mut count = 0;
+    for row in csv::Reader::from_reader(table).into_byte_records() {
+        row?;
+        count += 1;
+    }
+    Ok(count)
+}
