@@ -8,7 +8,7 @@ use super::journal::{CampaignProgress, Journal, NewRows, ProgressCounts};
 use super::merge::MergeError;
 use super::part::Part;
 use super::steps::{self, StepEngine, StepFinding};
-use super::summary::{PairGroup, row_count};
+use super::summary::{PairGroup, row_counts};
 use rockproof_differential::agreement_record::AgreementRecord;
 use rockproof_differential::attribution::{EnginePanel, PairExamination, examine_pair};
 use rockproof_differential::engine::{Levels, Shortage};
@@ -265,8 +265,7 @@ impl Campaign<'_> {
         if !progress.engines.is_empty() {
             files.push((ENGINES, engine_counts::to_csv(&progress.engines)?));
         }
-        let rows = files.iter().map(|(name, bytes)| Ok(((*name).to_owned(), row_count(bytes)?.into())));
-        let rows = rows.collect::<csv::Result<Map<String, Value>>>()?;
+        let rows = row_counts(&files)?;
         files.push(("run.json", self.run_json(journal, finished, rows, more)?));
         Ok(files.into_iter().try_for_each(|(name, bytes)| journal.write(name, &bytes))?)
     }

@@ -3,6 +3,7 @@
 use rockproof_differential::finding::Finding;
 use rockproof_differential::row::written;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// Where pairs come from and under which set they were examined.
@@ -193,12 +194,10 @@ impl Summary {
         written(&SUMMARY_COLUMNS, self.rows())
     }
 }
-/// How many rows a table has below its header: whoever reads it sees whether it was cut off.
-pub(crate) fn row_count(table: &[u8]) -> csv::Result<u64> {
-    let mut count = 0;
-    for row in csv::Reader::from_reader(table).into_byte_records() {
-        row?;
-        count += 1;
-    }
-    Ok(count)
+/// How many rows each of these tables has below its header, by its name: whoever reads it sees whether it was cut off.
+pub(crate) fn row_counts(tables: &[(&str, Vec<u8>)]) -> csv::Result<Map<String, Value>> {
+    let count = |table: &[u8]| {
+        csv::Reader::from_reader(table).into_byte_records().try_fold(0u64, |count, row| row.map(|_| count + 1))
+    };
+    tables.iter().map(|(name, table)| Ok(((*name).to_owned(), count(table)?.into()))).collect()
 }
