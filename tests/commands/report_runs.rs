@@ -1,7 +1,8 @@
-//! Pins what `report` says of runs that made no step, and of a run that is named twice.
+//! Pins what `report` says of runs that made no step, of a run that is named twice, and of tables of counts that were cut off.
 
 use crate::place::rockproof;
-use crate::report_command::run;
+use crate::report_command::{copy, run};
+use std::fs;
 
 #[test]
 fn where_no_step_was_made_nothing_is_said_of_overlaps() {
@@ -25,5 +26,25 @@ fn a_run_that_is_named_twice_is_refused() {
     for other in [run, &format!("{run}/."), link.to_str().expect("text")] {
         let (code, out, err) = rockproof(&["report", run, other, "--format", "markdown"]);
         assert!(code == 2 && err.contains("are the same run, which would count twice"), "{other}: {out}{err}");
+    }
+}
+
+/// The number of their rows is known where this version made them.
+#[test]
+fn tables_of_counts_that_were_cut_off_are_refused() {
+    for name in ["agreement.csv", "confusion.csv", "step_summary.csv", "summary.csv"] {
+        let (dir, path) = copy();
+        let file = dir.path().join(name);
+        let text = fs::read_to_string(&file).expect("read");
+        let lines: Vec<&str> = text.lines().collect();
+        fs::write(&file, lines[..lines.len() - 3].join("\n") + "\n").expect("written");
+        let (code, _, err) = rockproof(&["report", &path]);
+        let (found, all) = (format!("{} rows; ", lines.len() - 4), format!("run.json counts {}:", lines.len() - 1));
+        assert!(code == 2 && err.contains(name) && err.contains(&found) && err.contains(&all), "{err}");
+        let about = dir.path().join("run.json");
+        let mut run: serde_json::Value = serde_json::from_slice(&fs::read(&about).expect("read")).expect("JSON");
+        run.as_object_mut().and_then(|run| run.remove("table_rows")).expect("counts");
+        fs::write(&about, run.to_string()).expect("written");
+        assert_eq!(rockproof(&["report", &path]).0, 0, "of an earlier version");
     }
 }
