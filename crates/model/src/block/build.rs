@@ -131,6 +131,7 @@ fn check_faces(surface: &Surface<'_>, draft: &BlockDraft, options: &BlockOptions
         if let Some(worst) = planarity.violation(surface, face) {
             return Err(BlockError::NotPlanar {
                 face: draft.face_names[face],
+                corners: boundary.len(),
                 vertices: worst.vertices.iter().map(|v| draft.vertex_names[v.index()]).collect(),
                 deviation: worst.deviation,
                 allowed: options.planarity.approximate(),

@@ -46,10 +46,12 @@ pub enum BlockError {
         length: usize,
     },
     /// A face further from planar than allowed.
-    #[error("face {face} is not planar: {}; allowed is a planarity of {allowed:e}", furthest(vertices, *deviation))]
+    #[error("face {face} is not planar: {}; allowed is a planarity of {allowed:e}", furthest(vertices, *corners, *deviation))]
     NotPlanar {
         /// The face.
         face: usize,
+        /// How many corners it has.
+        corners: usize,
         /// Those of its vertices furthest from the plane: of a quadrilateral all four.
         vertices: Vec<usize>,
         /// Distance from the plane over the longest side of the block's box.
@@ -178,11 +180,11 @@ pub enum BlockError {
 }
 
 /// Which vertices of a face are furthest from its plane, and how far.
-fn furthest(vertices: &[usize], deviation: f64) -> String {
+fn furthest(vertices: &[usize], corners: usize, deviation: f64) -> String {
     match vertices {
         [vertex] => format!("vertex {vertex} is {deviation:.3e} of the block's size off the face's plane"),
         // The plane is that of the mean of the corners along N, and both diagonals are at right angles to N.
-        [_, _, _, _] => {
+        [_, _, _, _] if corners == 4 => {
             format!("its four corners are equally far from their common plane, {deviation:.3e} of the block's size")
         }
         several => {

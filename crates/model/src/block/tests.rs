@@ -224,6 +224,18 @@ fn a_tie_in_planarity_is_planar() {
     assert!(said.starts_with("face 1 is not planar: vertex 8 is "), "{said}");
     five[8] = points(&["1 2 1"])[0].clone();
     assert!(Block::new(five, prism, &BlockOptions::default()).is_ok());
+    // Of six corners, alike across the middle, four are equally far from the plane and two lie in it.
+    let outline = ["2 0", "1 2", "-1 2", "-2 0", "-1 -2", "1 -2"];
+    let top = ["1.1", "0.9", "1", "1.1", "0.9", "1"];
+    let six: Vec<String> = outline.iter().map(|at| format!("{at} 0")).collect();
+    let six = six.into_iter().chain(outline.iter().zip(top).map(|(at, z)| format!("{at} {z}")));
+    let six: Vec<String> = six.collect();
+    let six = points(&six.iter().map(String::as_str).collect::<Vec<_>>());
+    let sides = (0..6).map(|i| vec![i, (i + 1) % 6, 6 + (i + 1) % 6, 6 + i]);
+    let prism: Vec<Vec<u32>> =
+        [(0..6).rev().collect(), (6..12).collect::<Vec<u32>>()].into_iter().chain(sides).collect();
+    let said = Block::new(six, prism, &BlockOptions::default()).unwrap_err().to_string();
+    assert!(said.starts_with("face 1 is not planar: vertices 6, 7, 9, 10 are "), "{said}");
     assert!(build("0").is_err());
 }
 
