@@ -128,8 +128,14 @@ impl Gate {
         engines.probe().with_context(|| file.clone())?;
         // The campaigns have directories of their own in it; this says to other commands whose it is.
         let claim = Claim { dir: &self.out, owner: Owner::Gate, start: Start::Overwrite, files: &[] };
-        let _claimed = Directory::claim(claim)?;
-        let mut checks = corpus::checks(&config.corpus, &engines)?;
+        let claimed = Directory::claim(claim)?;
+        let mut checks = match corpus::checks(&config.corpus, &engines) {
+            Ok(checks) => checks,
+            Err(error) => {
+                claimed.give_up();
+                return Err(error.into());
+            }
+        };
         let in_corpus = corpus::engines_of(&config.corpus)?;
         let rotating = self.rotating(&config)?;
         let (steps, answers) = (Vec::new(), BTreeMap::new());

@@ -42,6 +42,11 @@ fn neither_takes_the_directory_of_the_other() {
     let (code, err) = rockproof(&["gate", "gate.toml", "--out", "theirs"]);
     assert!(code == Some(2) && err.contains("theirs") && err.contains("campaign"), "{err}");
     assert_eq!(fs::read_dir(dir.join("theirs")).expect("results").count(), before, "nothing is written there");
+    // Where a case cannot be read nothing is left.
+    fs::write(dir.join("bad.toml"), "no case").expect("written");
+    fs::write(dir.join("bad_gate.toml"), PASSES.replace("corpus = []", "corpus = [\"bad.toml\"]")).expect("written");
+    let (code, err) = rockproof(&["gate", "bad_gate.toml", "--out", "unused"]);
+    assert!(code == Some(2) && err.contains("bad.toml") && !dir.join("unused").exists(), "{err}");
     // A gate discards what a gate wrote there, and nobody else does.
     for _ in 0..2 {
         assert_eq!(rockproof(&["gate", "gate.toml", "--out", "ours"]).0, Some(0));
