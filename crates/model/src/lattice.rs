@@ -50,7 +50,6 @@ impl Lattice {
     ) -> Option<(Lattice, Vec<Vec3<i128>>)> {
         let (mut exponent, mut odd) = (i32::MIN, 1u64);
         let count = points.size_hint().0;
-        // Room for all at once, where there are any.
         let mut fractions = Vec::new();
         for point in points.clone() {
             for number in point.components() {
@@ -65,6 +64,7 @@ impl Lattice {
                 if m != odd && !odd.is_multiple_of(m) {
                     odd = (odd / odd.gcd(&m)).checked_mul(m)?;
                 }
+                // Where one is a fraction most are.
                 if fractions.is_empty() {
                     fractions.reserve(3 * count);
                 }

@@ -14,15 +14,15 @@ const MOST_REMEMBERED: usize = 512;
 /// The blocks of a state, prepared.
 pub(super) struct ClassifiedBlocks<'b> {
     blocks: &'b [Block],
-    solids: &'b [PreparedBlock],
+    prepared: &'b [PreparedBlock],
     /// Pairs of which decisions are remembered, or may come to be.
     pairs: RefCell<BTreeMap<[u32; 2], Rc<Pair<'b>>>>,
 }
 
 impl<'b> ClassifiedBlocks<'b> {
     /// Blocks and the same, prepared.
-    pub(super) fn new(blocks: &'b [Block], solids: &'b [PreparedBlock]) -> ClassifiedBlocks<'b> {
-        ClassifiedBlocks { blocks, solids, pairs: RefCell::default() }
+    pub(super) fn new(blocks: &'b [Block], prepared: &'b [PreparedBlock]) -> ClassifiedBlocks<'b> {
+        ClassifiedBlocks { blocks, prepared, pairs: RefCell::default() }
     }
 
     /// A block.
@@ -32,7 +32,7 @@ impl<'b> ClassifiedBlocks<'b> {
 
     /// A pair of blocks, the same for all who ask: what it has worked out exactly serves all that is asked of it.
     pub(super) fn pair(&self, blocks: [u32; 2]) -> Rc<Pair<'b>> {
-        let [a, b] = blocks.map(|block| &self.solids[block as usize]);
+        let [a, b] = blocks.map(|block| &self.prepared[block as usize]);
         let mut pairs = self.pairs.borrow_mut();
         if let Some(known) = pairs.get(&blocks) {
             return Rc::clone(known);
@@ -49,12 +49,12 @@ impl<'b> ClassifiedBlocks<'b> {
     pub(super) fn contacts(&self, scene: &ExactScene, state: &State, traced: &BTreeSet<[u32; 2]>) -> BlockContacts {
         let tolerances = scene.tolerances();
         let mut found = Vec::new();
-        for pair in scene.neighbours(self.solids) {
+        for pair in scene.neighbours(self.prepared) {
             let (kept, blocks) = (state.kept_contacts(pair), pair.map(|block| block as u32));
             let contacts = if traced.contains(&blocks) {
                 self.pair(blocks).traced_contacts(tolerances, &kept)
             } else {
-                let [a, b] = pair.map(|block| &self.solids[block]);
+                let [a, b] = pair.map(|block| &self.prepared[block]);
                 Pair::new(a, b).classify_with_kept(tolerances, &kept).contacts
             };
             found.extend(contacts.into_iter().map(|contact| (pair, contact)));
@@ -97,10 +97,10 @@ mod tests {
         for step in 0..3 {
             let found = scene.step(&state, KEPT_PRECISION).expect("a step");
             let blocks = scene.blocks_at(&state);
-            let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
+            let prepared: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
             let all: BTreeSet<[u32; 2]> = (0..5).flat_map(|i| (i + 1..5).map(move |j| [i, j])).collect();
             for traced in [BTreeSet::new(), BTreeSet::from([[0, 2]]), all] {
-                let here = ClassifiedBlocks::new(&blocks, &solids);
+                let here = ClassifiedBlocks::new(&blocks, &prepared);
                 let contacts = here.contacts(&scene, &state, &traced);
                 assert_eq!(contacts, found.contacts, "step {step}");
                 assert_eq!(here.pairs.borrow().len(), if traced.len() > 1 { 5 } else { traced.len() });
@@ -120,8 +120,8 @@ mod tests {
     fn a_pair_is_one_for_all_who_ask_until_there_are_many() {
         let blocks: Vec<Block> = scene().scene().blocks.iter().map(|block| block.block.clone()).collect();
         let blocks: Vec<Block> = std::iter::repeat_n(blocks, 8).flatten().collect();
-        let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
-        let here = ClassifiedBlocks::new(&blocks, &solids);
+        let prepared: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
+        let here = ClassifiedBlocks::new(&blocks, &prepared);
         let pairs: Vec<[u32; 2]> = (0..40).flat_map(|i| (i + 1..40).map(move |j| [i, j])).collect();
         assert!(pairs.len() > MOST_REMEMBERED);
         let asked: Vec<_> = pairs.iter().map(|&pair| here.pair(pair)).collect();

@@ -178,15 +178,15 @@ impl LookedThrough<'_> {
     }
 
     fn find_unseen(&self, all: &mut Intrusions) {
-        let solids = |end: usize| -> Vec<PreparedBlock> { self.ends[end].iter().map(PreparedBlock::new).collect() };
-        let after = solids(1);
+        let prepare = |end: usize| -> Vec<PreparedBlock> { self.ends[end].iter().map(PreparedBlock::new).collect() };
+        let after = prepare(1);
         let auditor = Auditor::new(&after, self.tolerances);
         let pairs = auditor.neighbours().into_iter();
         let unseen_after: Vec<_> = pairs.filter_map(|pair| Some((pair, self.unseen(&auditor, pair, 1)?))).collect();
         if unseen_after.is_empty() {
             return;
         }
-        let before = solids(0);
+        let before = prepare(0);
         let auditor = Auditor::new(&before, self.tolerances);
         for (pair, overlap) in unseen_after {
             if self.unseen(&auditor, pair, 0).is_none() {

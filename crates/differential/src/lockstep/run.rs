@@ -214,18 +214,18 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         made: &Result<StepReport, StepError>,
         compared: &mut ComparedStep,
     ) {
-        let prepared = |blocks: &[Block]| -> Vec<PreparedBlock> { blocks.iter().map(PreparedBlock::new).collect() };
+        let prepare = |blocks: &[Block]| -> Vec<PreparedBlock> { blocks.iter().map(PreparedBlock::new).collect() };
         let blocks = self.rounded.blocks_at(start);
-        let solids = prepared(&blocks);
-        let here = ClassifiedBlocks::new(&blocks, &solids);
+        let prepared = prepare(&blocks);
+        let here = ClassifiedBlocks::new(&blocks, &prepared);
         let contacts = here.contacts(&self.rounded, start, &self.differing);
         let exact = self.rounded.step_with(start, KEPT_PRECISION, contacts);
         // The first step is made from the scene as it is; every later state is the engine's own, in which the blocks of both scenes are the same.
         let is_first = self.links == ComparedLinks::All && *before == self.begin;
         let begin = is_first.then(|| self.given.begin()).filter(|begin| begin != start);
         let begin_blocks = begin.as_ref().map_or(Vec::new(), |begin| self.given.blocks_at(begin));
-        let begin_solids = prepared(&begin_blocks);
-        let there = ClassifiedBlocks::new(&begin_blocks, &begin_solids);
+        let begin_prepared = prepare(&begin_blocks);
+        let there = ClassifiedBlocks::new(&begin_blocks, &begin_prepared);
         if self.links == ComparedLinks::All {
             let decided = exact.as_ref().map(StepDecisions::of_oracle).map_err(Clone::clone);
             let unrounded = begin.as_ref().map_or((start, &here), |begin| (begin, &there));

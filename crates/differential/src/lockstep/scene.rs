@@ -131,8 +131,8 @@ impl ExactScene {
     }
 
     /// The pairs of blocks that a step classifies.
-    pub(super) fn neighbours(&self, solids: &[PreparedBlock]) -> Vec<[usize; 2]> {
-        self.with_model(|model| step::neighbours(model, solids))
+    pub(super) fn neighbours(&self, prepared: &[PreparedBlock]) -> Vec<[usize; 2]> {
+        self.with_model(|model| step::neighbours(model, prepared))
     }
 
     /// What one step decides, and how it moves the blocks.

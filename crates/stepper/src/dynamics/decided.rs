@@ -55,11 +55,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             retries: accepted.retries.clone(),
             time_step: accepted.time_step.to_f64(),
         };
-        let moving = (0..self.prepared.len()).filter(|&block| !self.is_fixed(block));
-        if moving.into_iter().all(|block| stays_whole(&self.prepared[block], &accepted.ended.d[block])) {
-            // Of what is left of a contact something may be asked that counts.
-            let asked = |contact: &StepContact<R>| contact.state_after_step::<M>(|_, point| point);
-            contacts.iter().map(asked).for_each(drop);
+        let mut moving = (0..self.prepared.len()).filter(|&block| !self.is_fixed(block));
+        if moving.all(|block| stays_whole(&self.prepared[block], &accepted.ended.d[block])) {
+            // What contacts leave to the next step takes comparisons, and those that stay unsettled count.
+            let left = |contact: &StepContact<R>| contact.state_after_step::<M>(|_, point| point);
+            contacts.iter().map(left).for_each(drop);
         } else {
             self.accept(&contacts, accepted, number, settling)?;
         }
@@ -76,12 +76,12 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
 /// 1/4. So its volume is multiplied by more than an eighth, its lengths and areas by more than a quarter; and the plane of a face, to which an edge
 /// of it is inclined by less than a quarter before, holds a direction across the edge afterwards. Against that the roundings of 2⁻¹²⁰ are nothing
 /// where no length, area and volume is below 2⁻⁴⁰ of what the block's size makes of it, nor are the radii of the unknowns.
-fn stays_whole<R: Real>(solid: &PreparedBlock<R>, d: &BlockVector<R>) -> bool {
-    let size = solid.extent();
+fn stays_whole<R: Real>(block: &PreparedBlock<R>, d: &BlockVector<R>) -> bool {
+    let size = block.extent();
     let is_known = |(k, &x): (usize, &R)| {
         let scale = if k < 3 { size } else { 1.0 };
         (x - R::from_f64(x.to_f64())).abs().surely_below(R::from_f64(KNOWN * scale))
     };
     let is_small = |x: &R| x.abs().surely_below(R::from_f64(SMALL));
-    d.iter().enumerate().all(is_known) && d[3..].iter().all(is_small) && solid.has_extent_beyond(size, LEAST)
+    d.iter().enumerate().all(is_known) && d[3..].iter().all(is_small) && block.has_extent_beyond(size, LEAST)
 }
