@@ -166,7 +166,7 @@ impl Overlap {
 
 /// Audits the pairs of a scene. What it keeps of a block serves all its pairs.
 pub struct Auditor<'s> {
-    solids: &'s [PreparedBlock],
+    prepared: &'s [PreparedBlock],
     tolerances: &'s ToleranceSet,
     bodies: Vec<AuditedBlock>,
 }
@@ -181,29 +181,29 @@ struct AuditedBlock {
 
 /// The audit of all pairs in one thread.
 pub fn audit(blocks: &[&Block], tolerances: &ToleranceSet) -> Audit {
-    let solids: Vec<PreparedBlock> = blocks.iter().map(|block| PreparedBlock::new(block)).collect();
-    let auditor = Auditor::new(&solids, tolerances);
+    let prepared: Vec<PreparedBlock> = blocks.iter().map(|block| PreparedBlock::new(block)).collect();
+    let auditor = Auditor::new(&prepared, tolerances);
     Audit::of(auditor.neighbours().into_iter().map(|pair| auditor.pair(pair)))
 }
 
 impl<'s> Auditor<'s> {
     /// Makes blocks ready.
-    pub fn new(solids: &'s [PreparedBlock], tolerances: &'s ToleranceSet) -> Auditor<'s> {
-        let body = |solid: &PreparedBlock| AuditedBlock {
-            planes: FacePlanes::of(solid),
-            has_inside: planes::has_inside(solid),
+    pub fn new(prepared: &'s [PreparedBlock], tolerances: &'s ToleranceSet) -> Auditor<'s> {
+        let body = |prepared: &PreparedBlock| AuditedBlock {
+            planes: FacePlanes::of(prepared),
+            has_inside: planes::has_inside(prepared),
             unevenness: OnceLock::new(),
         };
-        Auditor { solids, tolerances, bodies: solids.iter().map(body).collect() }
+        Auditor { prepared, tolerances, bodies: prepared.iter().map(body).collect() }
     }
 
     /// The neighbouring pairs (SPEC section 4, rough phase; **touching counts**), the lower number first, in ascending order.
     pub fn neighbours(&self) -> Vec<[usize; 2]> {
         let search = self.tolerances.search.approximate().next_up();
         // Grown on both sides by half of s, a little more than that because of rounding; the exact question follows.
-        let boxes: Vec<Box3> = self.solids.iter().map(|solid| Box3::around(solid, search / 2.0)).collect();
+        let boxes: Vec<Box3> = self.prepared.iter().map(|block| Box3::around(block, search / 2.0)).collect();
         let mut pairs = meeting_pairs(&boxes);
-        pairs.retain(|&[i, j]| Pair::new(&self.solids[i], &self.solids[j]).are_neighbours(self.tolerances));
+        pairs.retain(|&[i, j]| Pair::new(&self.prepared[i], &self.prepared[j]).are_neighbours(self.tolerances));
         pairs.sort_unstable();
         pairs
     }
@@ -247,7 +247,7 @@ impl<'s> Auditor<'s> {
         if !self.overlap(blocks).0 {
             return None;
         }
-        let [a, b] = blocks.map(|k| &self.solids[k]);
+        let [a, b] = blocks.map(|k| &self.prepared[k]);
         let contacts = Pair::new(a, b).classify_with_kept(self.tolerances, kept).contacts;
         let is_seen = contacts.iter().any(|contact| contact.gap.is_negative());
         (!is_seen).then(|| self.measured(blocks, None))
@@ -263,14 +263,14 @@ impl<'s> Auditor<'s> {
     }
 
     fn penetration(&self, blocks: [usize; 2]) -> Penetration {
-        let [one, two] = blocks.map(|k| self.solids[k].block());
+        let [one, two] = blocks.map(|k| self.prepared[k].block());
         // A block with an inside has faces with areas but where they cancel; then nothing is known of its depth.
         penetration(one, two).unwrap_or_else(Penetration::none)
     }
 
     /// Whether the interiors meet, and what decided it.
     fn overlap(&self, blocks: [usize; 2]) -> (bool, Decider) {
-        let [a, b] = blocks.map(|k| &self.solids[k]);
+        let [a, b] = blocks.map(|k| &self.prepared[k]);
         let bodies = blocks.map(|k| &self.bodies[k]);
         if !bodies.iter().all(|body| body.has_inside) {
             return (false, Decider::LeftOut);
@@ -286,7 +286,7 @@ impl<'s> Auditor<'s> {
         if is_separated {
             return (false, decider);
         }
-        match [a, b].map(|solid| solid.block().is_convex()) {
+        match [a, b].map(|prepared| prepared.block().is_convex()) {
             [true, true] => (true, decider),
             [false, true] => (interiors::meets_hull(a.block(), PointSet::of(b)), Decider::Surfaces),
             [true, false] => (interiors::meets_hull(b.block(), PointSet::of(a)), Decider::Surfaces),
@@ -296,7 +296,7 @@ impl<'s> Auditor<'s> {
 
     /// The bound of an overlap that certainly is rounding, however the contacts see it.
     fn surely_rounding(&self, blocks: [usize; 2], rounding: &Number) -> Option<BoundedOverlap> {
-        let [a, b] = blocks.map(|k| &self.solids[k]);
+        let [a, b] = blocks.map(|k| &self.prepared[k]);
         if !a.block().is_convex() || !b.block().is_convex() {
             return None;
         }
@@ -308,7 +308,7 @@ impl<'s> Auditor<'s> {
     }
 
     fn is_surely_within_unevenness(&self, blocks: [usize; 2], most_m: f64) -> bool {
-        let bulge = blocks.iter().map(|&k| self.solids[k].bulge).fold(0.0, f64::max);
+        let bulge = blocks.iter().map(|&k| self.prepared[k].bulge).fold(0.0, f64::max);
         most_m <= 2.0 * bulge
             && BigRational::from_float(most_m)
                 .is_some_and(|most| self.is_at_most_twice_unevenness(blocks, &(&most * &most)))
@@ -316,13 +316,13 @@ impl<'s> Auditor<'s> {
 
     /// How deep blocks overlap that do, and what the classification says of it.
     fn measure(&self, blocks: [usize; 2], kept: &[ContactKey]) -> Overlap {
-        let [a, b] = blocks.map(|k| &self.solids[k]);
+        let [a, b] = blocks.map(|k| &self.prepared[k]);
         self.measured(blocks, self.deepest_contact(&Pair::new(a, b), kept))
     }
 
     /// How deep blocks overlap that do, given the contact with the most negative gap.
     fn measured(&self, blocks: [usize; 2], contact: Option<(Contact, Gap)>) -> Overlap {
-        let [one, two] = blocks.map(|k| self.solids[k].block());
+        let [one, two] = blocks.map(|k| self.prepared[k].block());
         let penetration = self.penetration(blocks);
         let square = penetration.depth_squared();
         let four = BigRational::from_integer(4.into());
@@ -346,7 +346,7 @@ impl<'s> Auditor<'s> {
 
     fn is_within_unevenness(&self, blocks: [usize; 2], penetration: &Penetration) -> bool {
         // f64 bounds leave out nearly all; NaN leaves out nothing. The depth is rounded to nearest, which keeps the order.
-        let most = blocks.iter().map(|&k| self.solids[k].bulge).fold(0.0, f64::max);
+        let most = blocks.iter().map(|&k| self.prepared[k].bulge).fold(0.0, f64::max);
         if penetration.depth_m().is_some_and(|depth| depth > 2.0 * most) {
             return false;
         }
@@ -355,7 +355,7 @@ impl<'s> Auditor<'s> {
 
     fn is_at_most_twice_unevenness(&self, blocks: [usize; 2], square: &BigRational) -> bool {
         let unevenness =
-            |k: usize| self.bodies[k].unevenness.get_or_init(|| planes::unevenness_squared(self.solids[k].block()));
+            |k: usize| self.bodies[k].unevenness.get_or_init(|| planes::unevenness_squared(self.prepared[k].block()));
         let [one, two] = blocks.map(unevenness);
         *square <= BigRational::from_integer(4.into()) * one.max(two)
     }

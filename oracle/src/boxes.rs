@@ -23,10 +23,10 @@ struct Node {
 
 impl Box3 {
     /// The box of a block, grown by `margin` to all sides and rounded outwards.
-    pub(crate) fn around(solid: &PreparedBlock, margin: f64) -> Box3 {
+    pub(crate) fn around(prepared: &PreparedBlock, margin: f64) -> Box3 {
         // Once for coordinates rounded to f64, once for the difference.
-        let low = solid.box_min.map(|c| (c.next_down() - margin).next_down());
-        let high = solid.box_max.map(|c| (c.next_up() + margin).next_up());
+        let low = prepared.box_min.map(|c| (c.next_down() - margin).next_down());
+        let high = prepared.box_max.map(|c| (c.next_up() + margin).next_up());
         Box3 { low, high }
     }
 
@@ -169,8 +169,8 @@ pub(crate) fn share_surfaces_at_most(a: &PreparedBlock, b: &PreparedBlock) -> bo
 /// so only equal f64 leave it open.
 fn ends_before(one: &PreparedBlock, other: &PreparedBlock, axis: usize) -> bool {
     let (end, start) = (one.box_max[axis], other.box_min[axis]);
-    let exactly = |solid: &PreparedBlock, vertex: VertexId| -> Number {
-        solid.block().vertices()[vertex.index()].components()[axis].clone()
+    let exactly = |prepared: &PreparedBlock, vertex: VertexId| -> Number {
+        prepared.block().vertices()[vertex.index()].components()[axis].clone()
     };
     end < start || (end == start && exactly(one, one.extremes[axis].1) <= exactly(other, other.extremes[axis].0))
 }

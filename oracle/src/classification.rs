@@ -214,10 +214,10 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
 
     /// Whether a feature is convex, as decided when the block was loaded.
     pub(crate) fn vertex_is_convex(&self, side: Side, vertex: VertexId) -> bool {
-        self.pair.solid(side).block.vertex_is_convex(vertex)
+        self.pair.prepared(side).block.vertex_is_convex(vertex)
     }
 
     pub(crate) fn edge_is_convex(&self, side: Side, edge: EdgeId) -> bool {
-        self.pair.solid(side).block.edge_is_convex(edge)
+        self.pair.prepared(side).block.edge_is_convex(edge)
     }
 }

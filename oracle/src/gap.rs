@@ -62,8 +62,8 @@ mod tests {
             let bottom = above.block().topology().face_ids().find(|f| above.faces[f.index()].normal.z.0 < 0.0).unwrap();
             let two = BigRational::from_float(2.0 * scale).unwrap();
             let expected = Gap { sign: Sign::Positive, squared: &two * &two };
-            let edge_along = |solid: &PreparedBlock, axis: usize, z: f64| {
-                let found = solid.edges.iter().position(|e| {
+            let edge_along = |prepared: &PreparedBlock, axis: usize, z: f64| {
+                let found = prepared.edges.iter().position(|e| {
                     let d = [e.direction.x.0, e.direction.y.0, e.direction.z.0];
                     d[axis] != 0.0 && e.bounds[0][2] == z * scale && e.bounds[1][2] == z * scale
                 });

@@ -125,8 +125,8 @@ impl PairLattice {
         const FAR: i32 = 900;
         let place = a.place?.min(b.place?);
         let scale = (-FAR..=FAR).contains(&place).then(|| power_of_two(-place))?;
-        let solids = [a, b];
-        let corners = solids.into_iter().flat_map(|s| s.box_min.into_iter().chain(s.box_max));
+        let prepared = [a, b];
+        let corners = prepared.into_iter().flat_map(|s| s.box_min.into_iter().chain(s.box_max));
         // Scaled by a power of two they are integers and nothing is rounded.
         let held = corners.fold(0.0, |most, c| larger(most, c.abs())) * scale < (1u64 << 62) as f64;
         if !held {
@@ -135,7 +135,7 @@ impl PairLattice {
         let units = |v: &Vec3<Approx>| v.map(|c| (c.0 * scale) as i64);
         let origin = units(&a.vertices[0]);
         let mut bits = 0;
-        let units = solids.map(|solid| {
+        let units = prepared.map(|one| {
             let relative = |v: &Vec3<Approx>| {
                 let at = units(v);
                 let from_origin = [at.x - origin.x, at.y - origin.y, at.z - origin.z];
@@ -143,7 +143,7 @@ impl PairLattice {
                 let [x, y, z] = from_origin.map(i128::from);
                 Vec3::new(x, y, z)
             };
-            solid.vertices.iter().map(relative).collect::<Vec<_>>()
+            one.vertices.iter().map(relative).collect::<Vec<_>>()
         });
         let bits = Bits(u64::BITS - bits.leading_zeros());
         Some(PairLattice { lattice: Lattice::of_power_of_two(-place), bits, units: LatticeVertices::Small(units) })
@@ -164,8 +164,8 @@ impl PairLattice {
             PairLattice { lattice, bits, units: LatticeVertices::Small([units, of_b]) }
         } else {
             let lattice = Lattice::covering(a.block.coordinates().chain(b.block.coordinates()));
-            let solids = [a, b];
-            let all = solids
+            let prepared = [a, b];
+            let all = prepared
                 .map(|s| s.block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect::<Vec<Vec3<BigInt>>>());
             let origin = all[0][0].clone();
             let units = all.map(|vertices| vertices.iter().map(|v| v.minus(&origin)).collect::<Vec<_>>());
@@ -204,7 +204,7 @@ impl<'s> Pair<'s> {
     }
 
     #[inline(always)]
-    pub(crate) fn solid(&self, side: Side) -> &'s PreparedBlock {
+    pub(crate) fn prepared(&self, side: Side) -> &'s PreparedBlock {
         match side {
             Side::A => self.a,
             Side::B => self.b,
@@ -213,7 +213,7 @@ impl<'s> Pair<'s> {
 
     #[inline(always)]
     pub(crate) fn topology(&self, side: Side) -> &'s Topology {
-        self.solid(side).block.topology()
+        self.prepared(side).block.topology()
     }
 
     pub(crate) fn grid(&self) -> &PairLattice {

@@ -124,7 +124,7 @@ impl PreparedBlock {
         let exact = block.coordinates().all(|c| c.as_f64().is_some());
         let place = exact.then(|| least_place(&vertices));
         let longest_loop = topology.faces().iter().map(Vec::len).max().unwrap_or(3);
-        let mut solid = PreparedBlock {
+        let mut prepared = PreparedBlock {
             block: block.clone(),
             errors: VectorErrors::of(place, longest_loop, [&box_min, &box_max], &edges, &faces),
             longest_loop,
@@ -141,13 +141,13 @@ impl PreparedBlock {
             place,
             bulge: 0.0,
         };
-        let VectorErrors { inward, direction, .. } = solid.errors;
+        let VectorErrors { inward, direction, .. } = prepared.errors;
         let bound = Vec3::new(inward, inward, inward).dot(&Vec3::new(direction, direction, direction)).error;
-        for face in 0..solid.faces.len() {
-            solid.faces[face].surely_convex = solid.turns_left_only(FaceId::at(face), bound);
+        for face in 0..prepared.faces.len() {
+            prepared.faces[face].surely_convex = prepared.turns_left_only(FaceId::at(face), bound);
         }
-        solid.bulge = solid.largest_bulge();
-        solid
+        prepared.bulge = prepared.largest_bulge();
+        prepared
     }
 
     /// The block itself.

@@ -93,7 +93,7 @@ pub(crate) struct FloatView<'p> {
 
 impl FloatView<'_> {
     #[inline(always)]
-    fn solid(&self, side: Side) -> &PreparedBlock {
+    fn prepared(&self, side: Side) -> &PreparedBlock {
         match side {
             Side::A => self.a,
             Side::B => self.b,
@@ -105,27 +105,27 @@ impl View for FloatView<'_> {
     type T = Approx;
     #[inline(always)]
     fn topology(&self, side: Side) -> &Topology {
-        self.solid(side).block.topology()
+        self.prepared(side).block.topology()
     }
     #[inline(always)]
     fn between(&self, from: (Side, VertexId), to: (Side, VertexId)) -> Vec3<Approx> {
-        self.solid(to.0).vertices[to.1.index()].minus(&self.solid(from.0).vertices[from.1.index()])
+        self.prepared(to.0).vertices[to.1.index()].minus(&self.prepared(from.0).vertices[from.1.index()])
     }
     #[inline(always)]
     fn direction(&self, side: Side, edge: EdgeId) -> Vec3<Approx> {
-        self.solid(side).edges[edge.index()].direction
+        self.prepared(side).edges[edge.index()].direction
     }
     #[inline(always)]
     fn normal(&self, side: Side, face: FaceId) -> Vec3<Approx> {
-        self.solid(side).faces[face.index()].normal
+        self.prepared(side).faces[face.index()].normal
     }
     #[inline(always)]
     fn centre(&self, side: Side, face: FaceId) -> Vec3<Approx> {
-        self.solid(side).faces[face.index()].centre
+        self.prepared(side).faces[face.index()].centre
     }
     #[inline(always)]
     fn inward(&self, side: Side, edge: EdgeId, right: bool) -> Vec3<Approx> {
-        self.solid(side).edges[edge.index()].inwards[usize::from(right)]
+        self.prepared(side).edges[edge.index()].inwards[usize::from(right)]
     }
     #[inline(always)]
     fn scales(&self) -> &Scales<Approx> {
@@ -133,15 +133,15 @@ impl View for FloatView<'_> {
     }
     #[inline(always)]
     fn ends(&self, side: Side, edge: EdgeId) -> (VertexId, VertexId) {
-        self.solid(side).edges[edge.index()].ends
+        self.prepared(side).edges[edge.index()].ends
     }
     #[inline(always)]
     fn first_corner(&self, side: Side, face: FaceId) -> VertexId {
-        self.solid(side).faces[face.index()].first
+        self.prepared(side).faces[face.index()].first
     }
     #[inline(always)]
     fn loop_length(&self, side: Side, face: FaceId) -> Approx {
-        self.solid(side).faces[face.index()].count
+        self.prepared(side).faces[face.index()].count
     }
 }
 
@@ -251,8 +251,8 @@ impl View for BallView<'_> {
     }
     fn between(&self, from: (Side, VertexId), to: (Side, VertexId)) -> Vec3<Ball> {
         let at = |(side, v): (Side, VertexId)| {
-            let solid = self.floats.solid(side);
-            balls(solid.vertices[v.index()], solid.errors.coordinate)
+            let prepared = self.floats.prepared(side);
+            balls(prepared.vertices[v.index()], prepared.errors.coordinate)
         };
         at(to).minus(&at(from))
     }
@@ -261,13 +261,13 @@ impl View for BallView<'_> {
         self.between((side, p), (side, q))
     }
     fn normal(&self, side: Side, face: FaceId) -> Vec3<Ball> {
-        balls(self.floats.normal(side, face), self.floats.solid(side).errors.normal.error)
+        balls(self.floats.normal(side, face), self.floats.prepared(side).errors.normal.error)
     }
     fn centre(&self, side: Side, face: FaceId) -> Vec3<Ball> {
-        balls(self.floats.centre(side, face), self.floats.solid(side).errors.centre.error)
+        balls(self.floats.centre(side, face), self.floats.prepared(side).errors.centre.error)
     }
     fn inward(&self, side: Side, edge: EdgeId, right: bool) -> Vec3<Ball> {
-        balls(self.floats.inward(side, edge, right), self.floats.solid(side).errors.inward.error)
+        balls(self.floats.inward(side, edge, right), self.floats.prepared(side).errors.inward.error)
     }
     fn scales(&self) -> &Scales<Ball> {
         self.scales.get()
@@ -408,7 +408,7 @@ impl<'p, T: Ring> ExactBlock<'p, T> {
 }
 
 impl<'s, T> ExactView<'_, 's, T> {
-    fn solid(&self, side: Side) -> &ExactBlock<'s, T> {
+    fn exact_block(&self, side: Side) -> &ExactBlock<'s, T> {
         match side {
             Side::A => &self.geometry.a,
             Side::B => &self.geometry.b,
@@ -419,27 +419,27 @@ impl<'s, T> ExactView<'_, 's, T> {
 impl<T: Ring> View for ExactView<'_, '_, T> {
     type T = T;
     fn topology(&self, side: Side) -> &Topology {
-        self.solid(side).topology
+        self.exact_block(side).topology
     }
     fn between(&self, from: (Side, VertexId), to: (Side, VertexId)) -> Vec3<T> {
-        self.solid(to.0).vertices[to.1.index()].minus(&self.solid(from.0).vertices[from.1.index()])
+        self.exact_block(to.0).vertices[to.1.index()].minus(&self.exact_block(from.0).vertices[from.1.index()])
     }
     fn direction(&self, side: Side, edge: EdgeId) -> Vec3<T> {
-        self.solid(side).direction(edge)
+        self.exact_block(side).direction(edge)
     }
     fn normal(&self, side: Side, face: FaceId) -> Vec3<T> {
-        self.solid(side).normal(face)
+        self.exact_block(side).normal(face)
     }
     fn centre(&self, side: Side, face: FaceId) -> Vec3<T> {
-        let solid = self.solid(side);
-        solid.centres.get_or_make(face.index(), || centre_sum(&solid.vertices, solid.topology.face(face)))
+        let block = self.exact_block(side);
+        block.centres.get_or_make(face.index(), || centre_sum(&block.vertices, block.topology.face(face)))
     }
     fn inward(&self, side: Side, edge: EdgeId, right: bool) -> Vec3<T> {
-        let solid = self.solid(side);
-        solid.inwards.get_or_make(2 * edge.index() + usize::from(right), || {
-            let ends = &solid.topology.edge(edge);
-            let d = solid.direction(edge);
-            if right { solid.normal(ends.right).cross(&d.negated()) } else { solid.normal(ends.left).cross(&d) }
+        let block = self.exact_block(side);
+        block.inwards.get_or_make(2 * edge.index() + usize::from(right), || {
+            let ends = &block.topology.edge(edge);
+            let d = block.direction(edge);
+            if right { block.normal(ends.right).cross(&d.negated()) } else { block.normal(ends.left).cross(&d) }
         })
     }
     fn scales(&self) -> &Scales<T> {

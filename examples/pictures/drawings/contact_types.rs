@@ -67,8 +67,8 @@ fn panels() -> [Panel; 4] {
 }
 
 fn draw_panel(svg: &mut Svg, panel: &Panel, left: f64) {
-    let (solid_a, solid_b) = (PreparedBlock::new(&panel.a), PreparedBlock::new(&panel.b));
-    let pair = Pair::new(&solid_a, &solid_b);
+    let (prepared_a, prepared_b) = (PreparedBlock::new(&panel.a), PreparedBlock::new(&panel.b));
+    let pair = Pair::new(&prepared_a, &prepared_b);
     let contacts = pair.classify(&tolerances()).contacts;
     let [contact] = contacts.as_slice() else { panic!("{}: one contact is drawn, found {contacts:?}", panel.heading) };
 

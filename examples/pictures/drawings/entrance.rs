@@ -25,8 +25,8 @@ struct Candidate {
 pub(super) fn draw() -> String {
     let a = standing_on_a_corner([0.125, -0.0625, 0.4375]);
     let b = with_a_corner_on_top([0.0; 3]);
-    let (solid_a, solid_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
-    let pair = Pair::new(&solid_a, &solid_b);
+    let (prepared_a, prepared_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
+    let pair = Pair::new(&prepared_a, &prepared_b);
     let trace = pair.trace(&tolerances());
     let candidates: Vec<Candidate> = trace
         .iter()

@@ -114,10 +114,10 @@ fn draw_kinds(svg: &mut Svg, sliver: &OracleSolid, t: &ToleranceSet, at: impl Fn
 }
 
 fn draw_radii(svg: &mut Svg, block: &Block, t: &ToleranceSet, at: impl Fn([f64; 2]) -> At) {
-    let solid = PreparedBlock::<f64>::new(block).expect("the sliver has extent");
+    let prepared = PreparedBlock::<f64>::new(block).expect("the sliver has extent");
     let t = Tolerances::<f64>::new(t).expect("the tolerances are finite");
     for v in (0..OUTLINE.len()).map(VertexId::at) {
-        let radius = SpecRules::vertex_radius(&t, solid.vertex(v).shortest);
+        let radius = SpecRules::vertex_radius(&t, prepared.vertex(v).shortest);
         let [x, y, _] = metres(&block.vertices()[v.index()]);
         svg.ring(at([x, y]), radius * SCALE, GREY);
     }
@@ -125,8 +125,8 @@ fn draw_radii(svg: &mut Svg, block: &Block, t: &ToleranceSet, at: impl Fn([f64; 
         let Some(e) = block.topology().edge_between(VertexId(k), VertexId((k + 1) % OUTLINE.len() as u32)) else {
             continue;
         };
-        let ridge = solid.edge(e);
-        let [left, right] = solid.widths(e);
+        let ridge = prepared.edge(e);
+        let [left, right] = prepared.widths(e);
         let radius = SpecRules::edge_radius(&t, left, right);
         let ends = [ridge.p, ridge.q].map(|p| [p.x, p.y]);
         let across = [-ridge.direction.y * radius, ridge.direction.x * radius];

@@ -26,21 +26,21 @@ pub(super) struct FacePlanes {
 }
 
 impl FacePlanes {
-    pub(super) fn of(solid: &PreparedBlock) -> FacePlanes {
+    pub(super) fn of(prepared: &PreparedBlock) -> FacePlanes {
         let reach = |n: [f64; 3]| {
-            solid.vertices.iter().map(|p| dot(n, [p.x.0, p.y.0, p.z.0])).fold(f64::NEG_INFINITY, f64::max)
+            prepared.vertices.iter().map(|p| dot(n, [p.x.0, p.y.0, p.z.0])).fold(f64::NEG_INFINITY, f64::max)
         };
-        let directions = solid.faces.iter().map(|face| {
+        let directions = prepared.faces.iter().map(|face| {
             let n = [face.normal.x.0, face.normal.y.0, face.normal.z.0];
             let size = dot(n, n).sqrt();
             let n = n.map(|c| c / size);
             (n, reach(n))
         });
-        let ends = solid.box_min.iter().chain(&solid.box_max);
+        let ends = prepared.box_min.iter().chain(&prepared.box_max);
         FacePlanes {
             directions: directions.collect(),
             largest: ends.fold(0.0f64, |most, c| most.max(c.abs())),
-            error: solid.errors.coordinate,
+            error: prepared.errors.coordinate,
         }
     }
 }
@@ -54,13 +54,13 @@ struct FaceGap {
 
 /// The gaps along the faces of both blocks, each with the place of its block, 0 or 1.
 fn gaps<'p>(
-    solids: [&'p PreparedBlock; 2],
+    prepared: [&'p PreparedBlock; 2],
     planes: [&'p FacePlanes; 2],
 ) -> impl Iterator<Item = (usize, FaceId, FaceGap)> {
     let size = planes[0].largest.max(planes[1].largest);
     let error = planes[0].error.max(planes[1].error);
     [0, 1].into_iter().flat_map(move |k| {
-        let other = &solids[1 - k].vertices;
+        let other = &prepared[1 - k].vertices;
         planes[k].directions.iter().enumerate().map(move |(face, &(n, reach))| {
             let start = other.iter().map(|p| dot(n, [p.x.0, p.y.0, p.z.0])).fold(f64::INFINITY, f64::min);
             // A dot product of three terms is off by at most 3 roundoffs of the sum of its terms' sizes (N. J. Higham,
@@ -74,9 +74,9 @@ fn gaps<'p>(
 }
 
 /// The decider that shows that the plane of a face of either block separates them, **touching included**.
-pub(super) fn separating_face(solids: [&PreparedBlock; 2], planes: [&FacePlanes; 2]) -> Option<Decider> {
+pub(super) fn separating_face(prepared: [&PreparedBlock; 2], planes: [&FacePlanes; 2]) -> Option<Decider> {
     let mut open: SmallVec<[(usize, FaceId); 8]> = SmallVec::new();
-    for (k, face, FaceGap { value, doubt }) in gaps(solids, planes) {
+    for (k, face, FaceGap { value, doubt }) in gaps(prepared, planes) {
         if value > doubt {
             return Some(Decider::FacePlane);
         }
@@ -88,7 +88,7 @@ pub(super) fn separating_face(solids: [&PreparedBlock; 2], planes: [&FacePlanes;
     if open.is_empty() {
         return None;
     }
-    let doubles = DoublePair::of(solids);
+    let doubles = DoublePair::of(prepared);
     let mut undecided: SmallVec<[(usize, FaceId); 8]> = SmallVec::new();
     for (k, face) in open {
         match doubles.is_beyond(k, face) {
@@ -100,38 +100,38 @@ pub(super) fn separating_face(solids: [&PreparedBlock; 2], planes: [&FacePlanes;
     if undecided.is_empty() {
         return None;
     }
-    let points = on_lattice(solids.map(|solid| solid.block().vertices()));
-    let separates = |(k, face)| separates_exactly(solids, &points, k, face);
+    let points = on_lattice(prepared.map(|one| one.block().vertices()));
+    let separates = |(k, face)| separates_exactly(prepared, &points, k, face);
     undecided.into_iter().any(separates).then_some(Decider::ExactFacePlane)
 }
 
 /// The depth in m that the penetration of two convex blocks certainly does not exceed: the least that moving along the normal
 /// of a face takes, of the faces along which f64 finds it least. Penetration of convex blocks is the least over directions
 /// among which these normals are (`penetration::convex`), so any face bounds it. Infinite where nothing is known.
-pub(super) fn greatest_depth(solids: [&PreparedBlock; 2], planes: [&FacePlanes; 2]) -> f64 {
-    let gaps: SmallVec<[(usize, FaceId, FaceGap); 16]> = gaps(solids, planes).collect();
+pub(super) fn greatest_depth(prepared: [&PreparedBlock; 2], planes: [&FacePlanes; 2]) -> f64 {
+    let gaps: SmallVec<[(usize, FaceId, FaceGap); 16]> = gaps(prepared, planes).collect();
     let best = gaps.iter().map(|(_, _, gap)| gap.value - gap.doubt).fold(f64::NEG_INFINITY, f64::max);
-    let doubles = DoublePair::of(solids);
+    let doubles = DoublePair::of(prepared);
     let nearby = gaps.iter().filter(|(_, _, gap)| gap.value + gap.doubt >= best);
     nearby.map(|&(k, face, _)| doubles.depth_at_most(k, face)).fold(f64::INFINITY, f64::min)
 }
 
 /// Two blocks in some 100 bits.
 struct DoublePair<'p> {
-    solids: [&'p PreparedBlock; 2],
+    prepared: [&'p PreparedBlock; 2],
     points: [Vec<Vec3<DoubleBall>>; 2],
 }
 
 impl<'p> DoublePair<'p> {
-    fn of(solids: [&'p PreparedBlock; 2]) -> DoublePair<'p> {
-        DoublePair { solids, points: solids.map(|solid| PointSet::of(solid).doubles()) }
+    fn of(prepared: [&'p PreparedBlock; 2]) -> DoublePair<'p> {
+        DoublePair { prepared, points: prepared.map(|prepared| PointSet::of(prepared).doubles()) }
     }
 
     /// The normal of a face of block k, and along it how far beyond the end of its block the other one begins, times the
     /// normal's length; `None` where nothing is known.
     fn gap(&self, k: usize, face: FaceId) -> Option<(Vec3<DoubleBall>, DoubleBall)> {
         let (own, other) = (&self.points[k], &self.points[1 - k]);
-        let n = face_normal(own, self.solids[k].block().topology().face(face));
+        let n = face_normal(own, self.prepared[k].block().topology().face(face));
         let start = least(other.iter().map(|p| n.dot(p)))?;
         let end_against = least(own.iter().map(|p| n.dot(p).negated()))?;
         Some((n, start.plus(&end_against)))
@@ -166,9 +166,9 @@ fn least(mut all: impl Iterator<Item = DoubleBall>) -> Option<DoubleBall> {
 }
 
 /// Whether along the normal of a face of block k the other block begins where this one ends, **or beyond**.
-fn separates_exactly(solids: [&PreparedBlock; 2], points: &[Vec<Vec3<BigInt>>; 2], k: usize, face: FaceId) -> bool {
+fn separates_exactly(prepared: [&PreparedBlock; 2], points: &[Vec<Vec3<BigInt>>; 2], k: usize, face: FaceId) -> bool {
     let (own, other) = (&points[k], &points[1 - k]);
-    let n = face_normal(own, solids[k].block().topology().face(face));
+    let n = face_normal(own, prepared[k].block().topology().face(face));
     if Zero::is_zero(&n.norm_squared()) {
         return false;
     }
@@ -177,17 +177,17 @@ fn separates_exactly(solids: [&PreparedBlock; 2], points: &[Vec<Vec3<BigInt>>; 2
 }
 
 /// Whether the vertices do not all lie in one plane, exactly.
-pub(super) fn has_inside(solid: &PreparedBlock) -> bool {
+pub(super) fn has_inside(prepared: &PreparedBlock) -> bool {
     // f64 first: any determinant that is certainly not zero.
-    let ball = |v: &Vec3<crate::number::Approx>| v.map(|c| Ball { middle: c.0, radius: solid.errors.coordinate });
-    let origin = ball(&solid.vertices[0]);
-    let from: Vec<Vec3<Ball>> = solid.vertices[1..].iter().map(|v| ball(v).minus(&origin)).collect();
+    let ball = |v: &Vec3<crate::number::Approx>| v.map(|c| Ball { middle: c.0, radius: prepared.errors.coordinate });
+    let origin = ball(&prepared.vertices[0]);
+    let from: Vec<Vec3<Ball>> = prepared.vertices[1..].iter().map(|v| ball(v).minus(&origin)).collect();
     let sure = from.windows(2).any(|two| {
         let n = two[0].cross(&two[1]);
         from.iter().any(|p| n.dot(p).certain_sign().is_some_and(|sign| !sign.is_zero()))
     });
     sure || {
-        let [points, _] = on_lattice([solid.block().vertices(), &[]]);
+        let [points, _] = on_lattice([prepared.block().vertices(), &[]]);
         let from: Vec<Vec3<BigInt>> = points[1..].iter().map(|p| p.minus(&points[0])).collect();
         let first = from.iter().find(|p| !Zero::is_zero(&p.norm_squared()));
         let n = first.and_then(|d| from.iter().map(|p| d.cross(p)).find(|n| !Zero::is_zero(&n.norm_squared())));

@@ -234,10 +234,10 @@ mod tests {
         let [mut apart, mut near, mut loose] = [0; 3];
         for blocks in cases(480) {
             let screen = Screen::new(blocks.iter().map(|(block, at)| (block, at.clone()))).expect("finite");
-            let solids = [0, 1].map(|k| PreparedBlock::new(&screen.block(k)));
+            let prepared = [0, 1].map(|k| PreparedBlock::new(&screen.block(k)));
             let set =
-                derive(Preset::Auto, &solids.each_ref().map(PreparedBlock::block), Precision::F64).expect("a set");
-            let depth = Auditor::new(&solids, &set).depth([0, 1]);
+                derive(Preset::Auto, &prepared.each_ref().map(PreparedBlock::block), Precision::F64).expect("a set");
+            let depth = Auditor::new(&prepared, &set).depth([0, 1]);
             if screen.pairs().is_empty() {
                 assert!(depth.is_none());
                 continue;
@@ -285,10 +285,10 @@ mod tests {
             let (turn, by) = ([share(), share()], [far + share(), far + share(), far + share()]);
             let corner = on_its_corner(1.0 - (share() - 0.5) * (1.0 + far) * f64::EPSILON);
             let screen = Screen::new([&slab, &corner].map(|block| (block, placed(block, turn, by)))).expect("finite");
-            let solids = [0, 1].map(|k| PreparedBlock::new(&screen.block(k)));
+            let prepared = [0, 1].map(|k| PreparedBlock::new(&screen.block(k)));
             let set =
-                derive(Preset::Auto, &solids.each_ref().map(PreparedBlock::block), Precision::F64).expect("a set");
-            if Auditor::new(&solids, &set).depth([0, 1]).is_none() {
+                derive(Preset::Auto, &prepared.each_ref().map(PreparedBlock::block), Precision::F64).expect("a set");
+            if Auditor::new(&prepared, &set).depth([0, 1]).is_none() {
                 continue;
             }
             assert!(screen.greatest_depth([0, 1]).is_some() && screen.greatest_depth([1, 0]).is_some(), "{number}");
@@ -305,8 +305,8 @@ mod tests {
         let [mut negative, mut open] = [0; 2];
         for blocks in cases(40) {
             let screen = Screen::new(blocks.iter().map(|(block, at)| (block, at.clone()))).expect("finite");
-            let solids = [0, 1].map(|k| PreparedBlock::new(&screen.block(k)));
-            let pair = Pair::new(&solids[0], &solids[1]);
+            let prepared = [0, 1].map(|k| PreparedBlock::new(&screen.block(k)));
+            let pair = Pair::new(&prepared[0], &prepared[1]);
             let faces = |v| {
                 (0..6).flat_map(move |f| {
                     [Entrance::VertexFace(VertexId(v), FaceId(f)), Entrance::FaceVertex(FaceId(f), VertexId(v))]

@@ -69,7 +69,7 @@ pub(crate) struct EdgesReject {
 impl<O: Observer> Classification<'_, '_, O> {
     /// Adds the faces of the block on `side`.
     pub(crate) fn find_face_rejects(&self, side: Side, rejects: &mut SmallVec<[FaceReject; 8]>) {
-        let solid = self.pair.solid(side);
+        let prepared = self.pair.prepared(side);
         let kind = match side {
             Side::B => EntranceKind::VertexFace,
             Side::A => EntranceKind::FaceVertex,
@@ -80,19 +80,19 @@ impl<O: Observer> Classification<'_, '_, O> {
                 (length.squared().0, self.bound_of::<GapWithin>(GapWithin::variant_of(kind, limit)))
             });
         let sign_bound = self.bound_of::<AbovePlane>(AbovePlane::variant_of(side));
-        let face = |(face, prepared): (FaceId, &PreparedFace)| {
-            let PreparedFace { normal, centre, plane_size, count, first, .. } = *prepared;
-            FaceReject {
-                face,
-                first: solid.vertices[first.index()],
-                normal,
-                centre,
-                count,
-                sign_bound,
-                limits: limits.map(|(square, bound)| beyond(square * plane_size.0, bound)),
-            }
-        };
-        rejects.extend((0..).map(FaceId).zip(&solid.faces).map(face));
+        let reject =
+            |(face, &PreparedFace { normal, centre, plane_size, count, first, .. }): (FaceId, &PreparedFace)| {
+                FaceReject {
+                    face,
+                    first: prepared.vertices[first.index()],
+                    normal,
+                    centre,
+                    count,
+                    sign_bound,
+                    limits: limits.map(|(square, bound)| beyond(square * plane_size.0, bound)),
+                }
+            };
+        rejects.extend((0..).map(FaceId).zip(&prepared.faces).map(reject));
     }
 
     /// Whether a vertex is certainly too far above a face's plane, or too deep below (where the contact is not kept).

@@ -84,8 +84,8 @@ impl<O: Observer> Classification<'_, '_, O> {
             |run| {
                 (0..3).all(|axis| {
                     [(Side::A, Side::B), (Side::B, Side::A)].into_iter().all(|(low, high)| {
-                        let low = (low, run.pair.solid(low).extremes[axis].0);
-                        let high = (high, run.pair.solid(high).extremes[axis].1);
+                        let low = (low, run.pair.prepared(low).extremes[axis].0);
+                        let high = (high, run.pair.prepared(high).extremes[axis].1);
                         run.sign(&BoxesMeet { low, high, axis }).is_at_least_zero()
                     })
                 })
@@ -138,10 +138,10 @@ impl<O: Observer> Classification<'_, '_, O> {
     fn vertex_face_contacts(&mut self, side: Side, own: &NearFeatures, found: &mut Vec<ExitCandidate>) {
         let mut faces = SmallVec::new();
         self.find_face_rejects(side.other(), &mut faces);
-        let solid = self.pair.solid(side);
+        let prepared = self.pair.prepared(side);
         let beyond = self.kept_vertices_beyond(side, own);
         for &v in own.vertices.iter().chain(&beyond) {
-            let at = &solid.vertices[v.index()];
+            let at = &prepared.vertices[v.index()];
             let mut near: SmallVec<[FaceId; 8]> = SmallVec::new();
             for reject in &faces {
                 if !self.certainly_fails(reject, at, (side, v)) {

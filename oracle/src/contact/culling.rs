@@ -63,17 +63,17 @@ impl<O: Observer> Classification<'_, '_, O> {
 
     /// Adds the features of the block on `side` that come within `distance` of the other block's box.
     pub(crate) fn find_features_within(&self, side: Side, distance: f64, near: &mut NearFeatures) {
-        let (solid, other) = (self.pair.solid(side), self.pair.solid(side.other()));
+        let (prepared, other) = (self.pair.prepared(side), self.pair.prepared(side.other()));
         let grown = GrownBox { min: other.box_min.map(|c| c - distance), max: other.box_max.map(|c| c + distance) };
-        for v in solid.block.topology().vertex_ids() {
-            let at = point(solid, v);
+        for v in prepared.block.topology().vertex_ids() {
+            let at = point(prepared, v);
             if !grown.misses(&at, &at) {
                 near.vertices.push(v);
             }
         }
-        for (e, PreparedEdge { bounds: [min, max], .. }) in (0..).map(EdgeId).zip(&solid.edges) {
+        for (e, PreparedEdge { bounds: [min, max], .. }) in (0..).map(EdgeId).zip(&prepared.edges) {
             // Reflex edges have no contacts of their own.
-            if !grown.misses(min, max) && solid.block.edge_is_convex(e) {
+            if !grown.misses(min, max) && prepared.block.edge_is_convex(e) {
                 near.edges.push(e);
             }
         }
@@ -133,8 +133,8 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether a vertex is certainly further than `distance` from an edge of the other block.
     #[inline(always)]
     pub(crate) fn vertex_out_of_reach_of_edge(&self, vertex: (Side, VertexId), edge: EdgeId, distance: f64) -> bool {
-        let at = point(self.pair.solid(vertex.0), vertex.1);
-        let [min, max] = &self.pair.solid(vertex.0.other()).edges[edge.index()].bounds;
+        let at = point(self.pair.prepared(vertex.0), vertex.1);
+        let [min, max] = &self.pair.prepared(vertex.0.other()).edges[edge.index()].bounds;
         along_some_axis(|k| (at[k] + distance < min[k]) | (at[k] - distance > max[k]))
     }
 }
@@ -154,8 +154,8 @@ fn vertex_of_face_contact(side: Side, contact: ContactKey) -> Option<VertexId> {
 }
 
 #[inline(always)]
-fn point(solid: &PreparedBlock, vertex: VertexId) -> [f64; 3] {
-    let v = &solid.vertices[vertex.index()];
+fn point(prepared: &PreparedBlock, vertex: VertexId) -> [f64; 3] {
+    let v = &prepared.vertices[vertex.index()];
     [v.x.0, v.y.0, v.z.0]
 }
 

@@ -106,7 +106,7 @@ impl<'p, 's> Search<'p, 's> {
     fn new(pair: &'p Pair<'s>, radius: f64, scales: Scales<Ball>, classic: bool) -> Search<'p, 's> {
         let block = |side: Side| {
             let around = |middle: f64| Ball { middle, radius };
-            let vertices = pair.solid(side).vertices.iter().map(|v| v.map(|c| around(c.0)));
+            let vertices = pair.prepared(side).vertices.iter().map(|v| v.map(|c| around(c.0)));
             ExactBlock::new(pair.topology(side), vertices.collect())
         };
         let geometry = ExactPair { a: block(Side::A), b: block(Side::B) };
@@ -140,11 +140,11 @@ impl<'p, 's> Search<'p, 's> {
     }
 
     fn vertex_is_convex(&self, vertex: Vertex) -> bool {
-        self.pair.solid(vertex.0).block.vertex_is_convex(vertex.1)
+        self.pair.prepared(vertex.0).block.vertex_is_convex(vertex.1)
     }
 
     fn edge_is_convex(&self, edge: Edge) -> bool {
-        self.pair.solid(edge.0).block.edge_is_convex(edge.1)
+        self.pair.prepared(edge.0).block.edge_is_convex(edge.1)
     }
 
     /// Test 1, and its entrances that may pass; `None` where it certainly fails.

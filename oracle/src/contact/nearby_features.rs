@@ -100,9 +100,9 @@ impl Pair<'_> {
         if !(margin > 0.0 && margin.is_finite()) {
             return None;
         }
-        let place = |solid: &PreparedBlock| PlacedBlock {
-            block: solid.block.clone(),
-            vertices: solid.vertices.iter().copied().collect(),
+        let place = |prepared: &PreparedBlock| PlacedBlock {
+            block: prepared.block.clone(),
+            vertices: prepared.vertices.iter().copied().collect(),
         };
         let mut run = Classification::new(self, tolerances, Unobserved);
         let pairs = run.find_nearby_features(margin);

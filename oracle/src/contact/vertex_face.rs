@@ -56,7 +56,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         self.decide(
             || Decision::about(Predicate::InsideFace, &features),
             |run| {
-                let side = if !run.pair.solid(face.0).faces[face.1.index()].surely_convex {
+                let side = if !run.pair.prepared(face.0).faces[face.1.index()].surely_convex {
                     run.side_of_boundary(vertex, face)
                 } else if run.inside_all_edges(vertex, face) {
                     Sign::Positive

@@ -25,7 +25,7 @@ impl Polynomial for EdgeAbovePlane {
     }
     #[inline(always)]
     fn as_edge_along_normal(&self, pair: &Pair<'_>) -> Option<AsEdgeAlongNormal> {
-        let starts_here = pair.solid(self.vertex.0).edges[self.edge.index()].ends.0 == self.vertex.1;
+        let starts_here = pair.prepared(self.vertex.0).edges[self.edge.index()].ends.0 == self.vertex.1;
         let turn = if starts_here { Sign::Positive } else { Sign::Negative };
         Some(AsEdgeAlongNormal { edge: (self.vertex.0, self.edge), face: self.face, turn, in_plane: None })
     }

@@ -21,8 +21,8 @@ pub(crate) struct PointSet<'p> {
 
 impl<'p> PointSet<'p> {
     /// The vertices of a block.
-    pub(crate) fn of(solid: &'p PreparedBlock) -> PointSet<'p> {
-        PointSet { exact: solid.block().vertices(), near: &solid.vertices, error: solid.errors.coordinate }
+    pub(crate) fn of(prepared: &'p PreparedBlock) -> PointSet<'p> {
+        PointSet { exact: prepared.block().vertices(), near: &prepared.vertices, error: prepared.errors.coordinate }
     }
 
     /// The points in some 100 bits. Where every coordinate is an f64 this costs nothing and their differences are exact.

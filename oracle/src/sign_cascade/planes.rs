@@ -14,7 +14,7 @@ impl SignCascade<'_, '_> {
             Ok(sign) => return sign,
             Err(value) => value,
         };
-        let (edges, faces) = (pair.solid(edge.0).edges.len(), pair.solid(face.0).faces.len());
+        let (edges, faces) = (pair.prepared(edge.0).edges.len(), pair.prepared(face.0).faces.len());
         let place = pair.edge_products.of(edge, face, edges, faces);
         if let Some((sign, level)) = place.and_then(|place| recalled(place.get())) {
             self.levels.add_one(level);
@@ -30,16 +30,16 @@ impl SignCascade<'_, '_> {
 
     /// Whether an edge is not a point and lies in the plane of a face at it, so far as that is known of all edges of the face.
     pub(super) fn lies_in_plane(&mut self, edge: Edge, face: Face) -> bool {
-        let solid = self.pair.solid(edge.0);
-        let (p, q) = solid.edges[edge.1.index()].ends;
+        let prepared = self.pair.prepared(edge.0);
+        let (p, q) = prepared.edges[edge.1.index()].ends;
         // Points that f64 tells apart are two.
-        solid.vertices[p.index()] != solid.vertices[q.index()] && self.is_planar(face)
+        prepared.vertices[p.index()] != prepared.vertices[q.index()] && self.is_planar(face)
     }
 
     /// Whether all corners of a face lie in its plane: its edges are at right angles to its normal, so its corners are as high as their mean.
     pub(crate) fn is_planar(&mut self, face: Face) -> bool {
-        let solid = self.pair.solid(face.0);
-        let known = &solid.faces[face.1.index()].planar;
+        let prepared = self.pair.prepared(face.0);
+        let known = &prepared.faces[face.1.index()].planar;
         if let Some(planar) = known.get() {
             return planar;
         }
@@ -47,7 +47,7 @@ impl SignCascade<'_, '_> {
         // found it out before.
         let (levels, in_integers) = (self.levels, self.in_integers);
         // The first one closes the loop.
-        let edges = &solid.block.topology().face_edges(face.1)[1..];
+        let edges = &prepared.block.topology().face_edges(face.1)[1..];
         let planar = edges.iter().all(|&edge| self.edge_along_normal((face.0, edge), face).is_zero());
         (self.levels, self.in_integers) = (levels, in_integers);
         known.set(planar);
@@ -80,7 +80,7 @@ impl SignCascade<'_, '_> {
     /// Where the face is planar and `own` parallel to it, both edges are at right angles to N, so their n is a multiple of N, or zero; then n has the same
     /// product with all points of the face and with all of `own`: with any of the differences of which the gaps are made.
     fn crosses_in_plane(&mut self, vertex: Vertex, face: Face, own: Edge, other: Edge) -> bool {
-        let (p, q) = self.pair.solid(own.0).edges[own.1.index()].ends;
+        let (p, q) = self.pair.prepared(own.0).edges[own.1.index()].ends;
         let ends = self.pair.topology(other.0).edge(other.1);
         (p == vertex.1 || q == vertex.1)
             && (ends.left == face.1 || ends.right == face.1)
@@ -93,10 +93,10 @@ impl SignCascade<'_, '_> {
     /// Where both faces are planar and two edges of `own` that are not parallel are parallel to `of_other`, the normals are multiples of one another, and each
     /// vertex may stand for its face.
     fn are_parallel(&mut self, vertex: Vertex, own: Face, other: Vertex, of_other: Face) -> bool {
-        let solid = self.pair.solid(own.0);
-        let (topology, other_topology) = (solid.block.topology(), self.pair.topology(other.0));
+        let prepared = self.pair.prepared(own.0);
+        let (topology, other_topology) = (prepared.block.topology(), self.pair.topology(other.0));
         // Two edges that meet at a corner of a polygon certainly convex are not parallel.
-        if !solid.faces[own.1.index()].surely_convex || !other_topology.face(of_other.1).contains(&other.1) {
+        if !prepared.faces[own.1.index()].surely_convex || !other_topology.face(of_other.1).contains(&other.1) {
             return false;
         }
         let mut at_corner = 0;

@@ -158,8 +158,8 @@ fn gaps_to_planes_that_are_nearly_parallel_are_not_equal() {
     let corner = [tip].into_iter().chain(far).collect();
     let faces = vec![vec![0, 2, 1], vec![0, 1, 3], vec![1, 2, 3], vec![2, 0, 3]];
     let corner = Block::new(corner, faces, &BlockOptions { planarity: Number::ZERO }).expect("a corner");
-    let solids = [&corner, &plate].map(PreparedBlock::new);
-    let (pair, tolerances) = (Pair::new(&solids[0], &solids[1]), without_tolerances());
+    let prepared = [&corner, &plate].map(PreparedBlock::new);
+    let (pair, tolerances) = (Pair::new(&prepared[0], &prepared[1]), without_tolerances());
     let entrance = |face| Entrance::VertexFace(VertexId::at(0), FaceId::at(face));
     let gaps = LargerGap { first: entrance(1), second: entrance(0), factor: Factor::One };
     let mut run = SignCascade::new(&pair, &tolerances);

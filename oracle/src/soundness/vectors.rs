@@ -61,7 +61,7 @@ pub(super) fn check(pair: &Pair<'_>, t: &ToleranceSet, about: &str) {
             assert!(length.bits() <= u64::from(count.0), "{about}");
             let bound = views.bounds.loop_length(side, face).magnitude;
             assert!(BigRational::from_integer(length) <= rational(bound), "{bound}, {about}");
-            if pair.solid(side).faces[face.index()].surely_convex {
+            if pair.prepared(side).faces[face.index()].surely_convex {
                 turns_left(&views.exact, side, face, about);
             }
         }

@@ -108,11 +108,11 @@ impl<'a> PreparedStep<'a> {
 
 /// The contacts of all neighbours; of each pair those are kept that the step before left closed.
 fn contacts(model: &StepModel<'_>, blocks: &[Block], state: &State) -> (Vec<([usize; 2], Contact)>, LevelCounts) {
-    let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
+    let prepared: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
     let (mut found, mut levels) = (Vec::new(), LevelCounts::default());
-    for [i, j] in neighbours(model, &solids) {
+    for [i, j] in neighbours(model, &prepared) {
         let kept = state.kept_contacts([i, j]);
-        let answer = Pair::new(&solids[i], &solids[j]).classify_with_kept(model.tolerances, &kept);
+        let answer = Pair::new(&prepared[i], &prepared[j]).classify_with_kept(model.tolerances, &kept);
         levels += answer.levels;
         found.extend(answer.contacts.into_iter().map(|contact| ([i, j], contact)));
     }
@@ -120,23 +120,23 @@ fn contacts(model: &StepModel<'_>, blocks: &[Block], state: &State) -> (Vec<([us
 }
 
 /// The pairs of blocks that a step classifies, in this order: not both fixed, and not proved by f64 to be out of reach; ascending.
-pub fn neighbours(model: &StepModel<'_>, solids: &[PreparedBlock]) -> Vec<[usize; 2]> {
-    let ends = solids.iter().flat_map(|solid| solid.box_min.iter().chain(&solid.box_max));
+pub fn neighbours(model: &StepModel<'_>, prepared: &[PreparedBlock]) -> Vec<[usize; 2]> {
+    let ends = prepared.iter().flat_map(|block| block.box_min.iter().chain(&block.box_max));
     let size = ends.fold(0.0f64, |most, end| most.max(end.abs()));
     let search = model.tolerances.search.approximate();
     // A few roundings: of each end, of their difference, of the reach.
     let reach = search + 16.0 * f64::EPSILON * (size + search);
-    let mut order: Vec<usize> = (0..solids.len()).collect();
-    order.sort_by(|&i, &j| solids[i].box_min[0].total_cmp(&solids[j].box_min[0]));
+    let mut order: Vec<usize> = (0..prepared.len()).collect();
+    order.sort_by(|&i, &j| prepared[i].box_min[0].total_cmp(&prepared[j].box_min[0]));
     let mut pairs = Vec::new();
     for (place, &i) in order.iter().enumerate() {
         for &j in &order[place + 1..] {
-            if solids[j].box_min[0] - solids[i].box_max[0] > reach {
+            if prepared[j].box_min[0] - prepared[i].box_max[0] > reach {
                 break;
             }
             let apart = |k: usize| {
-                solids[j].box_min[k] - solids[i].box_max[k] > reach
-                    || solids[i].box_min[k] - solids[j].box_max[k] > reach
+                prepared[j].box_min[k] - prepared[i].box_max[k] > reach
+                    || prepared[i].box_min[k] - prepared[j].box_max[k] > reach
             };
             let fixed = model.bodies[i].is_fixed() && model.bodies[j].is_fixed();
             if !fixed && !apart(1) && !apart(2) {
@@ -196,14 +196,14 @@ mod tests {
         let corners = [(0, 0, 0), (2, 3, 0), (2, 0, 0), (2, 0, 5), (20, 0, 0)];
         let blocks = corners.map(|(x, y, z)| Block::cuboid(&at(x, y, z), &at(x + 2, y + 2, z + 2)).unwrap());
         let shapes: Vec<&Block> = blocks.iter().collect();
-        let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
+        let prepared: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
         let tolerances = ToleranceSet { search: Number::from_integer(1), ..without_tolerances() };
         let simulation = Simulation::default();
         let of = |motions: [Motion; 5]| {
             let bodies = motions.map(|motion| Body { motion, ..Body::default() });
             let model =
                 StepModel { shapes: &shapes, bodies: &bodies, simulation: &simulation, tolerances: &tolerances };
-            neighbours(&model, &solids)
+            neighbours(&model, &prepared)
         };
         let (fixed, rigid) = (Motion::Fixed, Motion::Rigid);
         assert_eq!(of([rigid; 5]), [[0, 1], [0, 2], [1, 2]]);

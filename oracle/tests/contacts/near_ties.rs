@@ -107,8 +107,8 @@ fn agree_beside_ties(rounds: u64) {
     for case in hand_worked::cases() {
         for round in 0..rounds {
             let Some(Drawn { a, b, tolerances, about }) = draw(&case, round, &mut dice) else { continue };
-            let (solid_a, solid_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
-            let pair = Pair::new(&solid_a, &solid_b);
+            let (prepared_a, prepared_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
+            let pair = Pair::new(&prepared_a, &prepared_b);
             let kept = if round % 2 == 0 { case.kept.as_slice() } else { &[] };
             let answer = pair.classify_with_kept(&tolerances, kept);
             let plainly: Vec<_> = plain::classify_with_kept::<BigRational>(&a, &b, &tolerances, kept)

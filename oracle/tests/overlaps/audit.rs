@@ -284,8 +284,8 @@ fn pairs_are_found_and_put_in_order_whoever_audits_them() {
         })
         .collect();
     let tolerances = revised(&[("search", "1")]);
-    let solids: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
-    let auditor = Auditor::new(&solids, &tolerances);
+    let prepared: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
+    let auditor = Auditor::new(&prepared, &tolerances);
     let pairs = auditor.neighbours();
     let meets = |a: &Block, b: &Block| {
         let (a, b) = (a.bounds(), b.bounds());
@@ -328,8 +328,8 @@ fn what_no_contact_sees_is_the_same_whether_depth_or_contacts_are_asked_first() 
     let on_slab = ["-1/50", "-1/2"].map(|depth| cuboid(["-1", "-1", depth], ["1", "1", "2"]));
     let on_slab: Vec<PreparedBlock> = [&slab(), &on_slab[0], &on_slab[1]].map(PreparedBlock::new).into();
     let (mut unseen, mut seen) = (0, 0);
-    for (solids, tolerances) in [(slope, derive(Preset::Auto, &shapes, Precision::F64).unwrap()), (on_slab, wide())] {
-        let auditor = Auditor::new(&solids, &tolerances);
+    for (prepared, tolerances) in [(slope, derive(Preset::Auto, &shapes, Precision::F64).unwrap()), (on_slab, wide())] {
+        let auditor = Auditor::new(&prepared, &tolerances);
         for pair in auditor.neighbours() {
             let audited = auditor.pair(pair).overlap;
             seen += usize::from(audited.as_ref().is_some_and(|o| o.sight != OverlapVisibility::Unseen));
@@ -408,8 +408,8 @@ fn random_tetrahedra_overlap_where_a_search_of_all_directions_says_so() {
         let b = b.translated(&random.offset(2, "2"));
         let expected = brute_force(&a, &b);
         for (one, two) in [(&a, &b), (&turned(&a), &turned(&b))] {
-            let solids = [PreparedBlock::new(one), PreparedBlock::new(two)];
-            let found = Auditor::new(&solids, &wide()).pair([0, 1]);
+            let prepared = [PreparedBlock::new(one), PreparedBlock::new(two)];
+            let found = Auditor::new(&prepared, &wide()).pair([0, 1]);
             assert_eq!(found.overlap.is_some(), expected, "{one:?}\n{two:?}");
             *deciders.entry(found.decider).or_insert(0) += 1;
         }

@@ -95,8 +95,8 @@ fn bound_and_measure(count: usize) {
     let [mut apart, mut bounded, mut uneven, mut close, mut rounding, mut concave, mut deep] = [0; 7];
     let set = revised(&[]);
     for blocks in pairs(count) {
-        let solids = blocks.each_ref().map(PreparedBlock::new);
-        let auditor = Auditor::new(&solids, &set);
+        let prepared = blocks.each_ref().map(PreparedBlock::new);
+        let auditor = Auditor::new(&prepared, &set);
         let limit = rounding_depth(&blocks.each_ref(), Precision::F64);
         let PairAudit { decider, overlap, bounded: found } = auditor.pair_beyond_rounding([0, 1], &limit);
         let exactly = auditor.pair([0, 1]);
@@ -136,10 +136,10 @@ fn bound_and_measure(count: usize) {
 #[test]
 fn nothing_deeper_than_penetration_is_bounded() {
     let blocks = [cuboid(["0", "0", "0"], ["1", "1", "1"]), cuboid(["0", "0", "999/1000"], ["1", "1", "2"])];
-    let solids = blocks.each_ref().map(PreparedBlock::new);
+    let prepared = blocks.each_ref().map(PreparedBlock::new);
     let within = |penetration: &str, rounding: &str| {
         let set = revised(&[("penetration", penetration)]);
-        let found = Auditor::new(&solids, &set).pair_beyond_rounding([0, 1], &number(rounding));
+        let found = Auditor::new(&prepared, &set).pair_beyond_rounding([0, 1], &number(rounding));
         assert!(found.bounded.is_none() != found.overlap.is_none());
         found.bounded
     };

@@ -66,7 +66,7 @@ pub fn neighbours<R: Real, M: ContactRules>(a: &PreparedBlock<R>, b: &PreparedBl
 /// kept contact are. Those of v-v and v-e contacts are within s, kept or not.
 pub(super) fn reach_of_kept<R: Real>(request: ClassificationRequest<'_, R>) -> R {
     let ClassificationRequest { a, b, tolerances, kept, .. } = request;
-    let at = |solid: &PreparedBlock<R>, v: VertexId| Bounds::of_point(solid.vertex(v).at);
+    let at = |prepared: &PreparedBlock<R>, v: VertexId| Bounds::of_point(prepared.vertex(v).at);
     kept.iter().fold(tolerances.reach, |reach, key| {
         let apart = match *key {
             ContactKey::VertexFace(v, _) => at(a, v).apart(b.bounds()),
@@ -81,8 +81,8 @@ pub(super) fn reach_of_kept<R: Real>(request: ClassificationRequest<'_, R>) -> R
 /// How far from the box of a block a vertex may be that has a contact with a face of it. Its foot is in the face's plane, and above or
 /// below the hull of the face's corners by their distance from that plane at most. A thirty-second of the reach is half of what it holds
 /// for rounding: so planar faces, as rounding leaves them, change nothing.
-fn reach_of_faces<R: Real>(solid: &PreparedBlock<R>, reach: R) -> R {
-    let bulge = solid.bulge();
+fn reach_of_faces<R: Real>(prepared: &PreparedBlock<R>, reach: R) -> R {
+    let bulge = prepared.bulge();
     if (reach * R::from_f64(0.03125)).below(bulge) { reach + bulge * R::from_f64(1.0625) } else { reach }
 }
 
@@ -115,21 +115,21 @@ impl<R: Real> NearFeatures<R> {
     }
 }
 
-fn near_vertices<R: Real>(solid: &PreparedBlock<R>, other: &Bounds<R>, reach: R) -> Vec<VertexId> {
-    let mut near = Vec::with_capacity(solid.vertices().len());
+fn near_vertices<R: Real>(prepared: &PreparedBlock<R>, other: &Bounds<R>, reach: R) -> Vec<VertexId> {
+    let mut near = Vec::with_capacity(prepared.vertices().len());
     near.extend(
-        (0..).map(VertexId).zip(solid.vertices()).filter(|(_, v)| !other.is_beyond(v.at, reach)).map(|(i, _)| i),
+        (0..).map(VertexId).zip(prepared.vertices()).filter(|(_, v)| !other.is_beyond(v.at, reach)).map(|(i, _)| i),
     );
     near
 }
 
 fn near_edges<R: Real, M: ContactRules>(
-    solid: &PreparedBlock<R>,
+    prepared: &PreparedBlock<R>,
     other: &Bounds<R>,
     reach: R,
 ) -> Vec<(EdgeId, Bounds<R>)> {
-    let mut near = Vec::with_capacity(solid.edges().len());
-    let takes_part = (0..).map(EdgeId).zip(solid.edges()).filter(|(_, e)| M::edge_takes_part(e.convex));
+    let mut near = Vec::with_capacity(prepared.edges().len());
+    let takes_part = (0..).map(EdgeId).zip(prepared.edges()).filter(|(_, e)| M::edge_takes_part(e.convex));
     near.extend(takes_part.map(|(i, e)| (i, e.bounds())).filter(|(_, bounds)| !other.beyond(bounds, reach)));
     near
 }

@@ -134,7 +134,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     fn vertices_and_edges(&mut self, near: &NearFeatures<R>, side: Side) {
-        let own = self.solid(side);
+        let own = self.prepared(side);
         for &v in near.vertices(side) {
             for &(e, bounds) in near.edges(side.other()) {
                 if R::is_given_up() {
@@ -153,7 +153,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     fn vertices_and_faces(&mut self, near: &NearFeatures<R>, side: Side) {
         let exits = M::shortest_exit_applies(self.both_convex());
-        let faces = self.solid(side.other()).block().topology();
+        let faces = self.prepared(side.other()).block().topology();
         for &v in near.vertices(side) {
             let first = self.hits.len();
             for f in faces.face_ids() {

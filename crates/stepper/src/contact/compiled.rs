@@ -34,13 +34,13 @@ pub trait CompiledContacts: Sized {
 
 /// [`PreparedBlock::new`], the generic way.
 fn prepare<R: Real>(block: &Block) -> Result<PreparedBlock<R>, Collapsed> {
-    let mut solid = PreparedBlock::unprepared(block.clone());
+    let mut prepared = PreparedBlock::unprepared(block.clone());
     for (v, exact) in block.vertices().iter().enumerate() {
         let near = |number| R::from_number(number).ok_or(Collapsed { what: CollapsedPart::Vertex(VertexId::at(v)) });
-        solid.place(Vector::new(near(&exact.x)?, near(&exact.y)?, near(&exact.z)?));
+        prepared.place(Vector::new(near(&exact.x)?, near(&exact.y)?, near(&exact.z)?));
     }
-    solid.prepare()?;
-    Ok(solid)
+    prepared.prepare()?;
+    Ok(prepared)
 }
 
 /// The contacts by any rules, watched by nobody.

@@ -47,8 +47,8 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// than the tolerance.
     #[inline(always)]
     pub(super) fn cone_passes(&mut self, side: Side, v: VertexId, f: FaceId) -> bool {
-        let normal = self.solid(side.other()).face(f).normal;
-        let own = self.solid(side);
+        let normal = self.prepared(side.other()).face(f).normal;
+        let own = self.prepared(side);
         M::cone(own.edges_at(v)).iter().all(|&e| {
             let about = [Feature::Vertex(side, v), Feature::Face(side.other(), f), Feature::Edge(side, e)];
             let spoke = own.edge_at_vertex(v, e);
@@ -58,8 +58,8 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// The plane of face `f` of the other block, entered by vertex `v` of `side`.
     pub(super) fn vertex_face_entrance(&self, side: Side, v: VertexId, f: FaceId) -> Candidate<R> {
-        let face = self.solid(side.other()).face(f);
-        let gap = face.normal.dot(self.solid(side).vertex(v).at - face.point);
+        let face = self.prepared(side.other()).face(f);
+        let gap = face.normal.dot(self.prepared(side).vertex(v).at - face.point);
         let (entrance, normal) = match side {
             Side::A => (Entrance::VertexFace(v, f), face.normal),
             Side::B => (Entrance::FaceVertex(f, v), M::normal_of_a(face.normal)),
@@ -111,8 +111,8 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     }
 
     fn cone_exits(&self, side: Side, v: VertexId, f: FaceId) -> bool {
-        let normal = self.solid(side.other()).face(f).normal;
-        let own = self.solid(side);
+        let normal = self.prepared(side.other()).face(f).normal;
+        let own = self.prepared(side);
         M::cone(own.edges_at(v)).iter().all(|&e| {
             let spoke = own.edge_at_vertex(v, e);
             M::true_exit_of_cone(spoke.away.dot(normal), spoke.length, self.t)

@@ -38,10 +38,10 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// For each face the number of its group: faces joined, step by step, by convex edges within the set.
     fn groups(&self, side: Side, faces: &[FaceId]) -> Vec<usize> {
-        let solid = self.solid(side);
+        let prepared = self.prepared(side);
         let joined = |f: FaceId, g: FaceId| {
-            solid.block().topology().face_edges(f).iter().any(|&e| {
-                let ridge = solid.edge(e);
+            prepared.block().topology().face_edges(f).iter().any(|&e| {
+                let ridge = prepared.edge(e);
                 M::joins_exits(ridge.convex) && (ridge.edge.left == g || ridge.edge.right == g)
             })
         };

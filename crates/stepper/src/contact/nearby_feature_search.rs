@@ -31,9 +31,9 @@ impl NearbyFeatures {
         if !R::IS_FLOAT || !small || !blocks.iter().all(|block| block.is_convex()) {
             return None;
         }
-        let points = [a, b].map(|solid| {
+        let points = [a, b].map(|prepared| {
             let at = |v: &Vertex<R>| v.at.components().map(R::to_f64);
-            solid.vertices().iter().map(at).collect::<Vec<_>>()
+            prepared.vertices().iter().map(at).collect::<Vec<_>>()
         });
         let near = |length: R| MotionInterval::exact(length.to_f64());
         let tolerances = Tolerances {
@@ -55,30 +55,30 @@ impl NearbyFeatures {
 /// Two blocks, the vertices of which may be anywhere within a margin.
 struct Search<'s> {
     points: &'s [Vec<[f64; 3]>; 2],
-    solids: [PreparedBlock<MotionInterval>; 2],
+    prepared: [PreparedBlock<MotionInterval>; 2],
 }
 
 impl<'s> Search<'s> {
     fn new(blocks: [&Block; 2], points: &'s [Vec<[f64; 3]>; 2], margin: f64) -> Option<Search<'s>> {
-        let solid = |side: Side| {
+        let prepare = |side: Side| {
             let near = |at: &[f64; 3]| {
                 let [x, y, z] = at.map(|x| MotionInterval::within(x, margin));
                 Vector::new(x, y, z)
             };
             let points: Vec<Vector<MotionInterval>> = points[side as usize].iter().map(near).collect();
-            let (solid, open) = is_open(|| {
-                let solid = PreparedBlock::unprepared(blocks[side as usize].clone()).with_points(&points).ok()?;
-                let faces = || solid.block().topology().face_ids();
-                let all_left = faces().all(|face| solid.turns_left(face));
-                all_left.then_some(solid)
+            let (prepared, open) = is_open(|| {
+                let prepared = PreparedBlock::unprepared(blocks[side as usize].clone()).with_points(&points).ok()?;
+                let faces = || prepared.block().topology().face_ids();
+                let all_left = faces().all(|face| prepared.turns_left(face));
+                all_left.then_some(prepared)
             });
-            solid.filter(|_| !open)
+            prepared.filter(|_| !open)
         };
-        Some(Search { points, solids: [solid(Side::A)?, solid(Side::B)?] })
+        Some(Search { points, prepared: [prepare(Side::A)?, prepare(Side::B)?] })
     }
 
     fn pairs(&self, t: &Tolerances<MotionInterval>, kept: &[ContactKey], reach: f64) -> Option<NearbyFeatures> {
-        let [a, b] = &self.solids;
+        let [a, b] = &self.prepared;
         let bounds = [Side::A, Side::B].map(|side| {
             let points = &self.points[side as usize];
             points.iter().map(point_bounds).reduce(|all, one| all.joined(&one)).unwrap_or(point_bounds(&[0.0; 3]))
@@ -88,14 +88,14 @@ impl<'s> Search<'s> {
             all.map(|(v, at)| (v, point_bounds(at))).collect::<Vec<_>>()
         });
         let edges = [Side::A, Side::B].map(|side| {
-            let (points, solid) = (&self.points[side as usize], &self.solids[side as usize]);
+            let (points, prepared) = (&self.points[side as usize], &self.prepared[side as usize]);
             let at = |v: VertexId| point_bounds(&points[v.index()]);
-            let all = solid.block().topology().edge_ids().map(|e| (e, solid.edge(e).edge));
+            let all = prepared.block().topology().edge_ids().map(|e| (e, prepared.edge(e).edge));
             let boxes = all.map(|(e, edge)| (e, at(edge.p).joined(&at(edge.q))));
             boxes.filter(|(_, own)| !own.beyond(&bounds[side.other() as usize], reach)).collect::<Vec<_>>()
         });
         // As `reach_of_faces` in `boxes.rs`, or a little farther.
-        let near = [a, b].map(|solid| reach + 2.0 * solid.bulge().highest());
+        let near = [a, b].map(|prepared| reach + 2.0 * prepared.bulge().highest());
         let mut seen = Unobserved;
         let (candidates, true_exits, hits) = (Vec::new(), Vec::new(), Vec::new());
         let seen = &mut seen;
@@ -132,7 +132,7 @@ impl<'s> Search<'s> {
                 if at.beyond(&bounds[side.other() as usize], near[side.other() as usize]) {
                     continue;
                 }
-                for f in self.solids[side.other() as usize].block().topology().face_ids() {
+                for f in self.prepared[side.other() as usize].block().topology().face_ids() {
                     let planes = pair.vertex_may_meet_face(side, *v, f);
                     match side {
                         Side::A => add(ContactKind::VertexFace, v.0, f.0, planes),
@@ -198,7 +198,7 @@ impl NearbyPairOfBlocks<'_> {
     }
 
     fn vertex_may_meet_edge(&mut self, side: Side, v: VertexId, e: EdgeId) -> Planes {
-        let edge = self.solid(side.other()).edge(e).edge;
+        let edge = self.prepared(side.other()).edge(e).edge;
         let meets = |pair: &mut Self| {
             pair.vertex_meets_edge(side, v, e, |pair| {
                 unless(|| pair.in_vertex_territory(side, v, edge.p) || pair.in_vertex_territory(side, v, edge.q))

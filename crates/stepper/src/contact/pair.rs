@@ -48,7 +48,7 @@ impl<R: Real> ExitCandidate<R> {
 
 impl<'s, R: Real, M: ContactRules, O: Observer> Pair<'s, R, M, O> {
     #[inline(always)]
-    pub(super) fn solid(&self, side: Side) -> &'s PreparedBlock<R> {
+    pub(super) fn prepared(&self, side: Side) -> &'s PreparedBlock<R> {
         match side {
             Side::A => self.a,
             Side::B => self.b,

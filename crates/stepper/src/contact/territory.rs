@@ -19,7 +19,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Vertex `v` of `side` is in the territory of vertex `w` of the other block (and `w` in that of `v`).
     #[inline]
     pub(super) fn in_vertex_territory(&mut self, side: Side, v: VertexId, w: VertexId) -> bool {
-        let (one, two) = (self.solid(side).vertex(v), self.solid(side.other()).vertex(w));
+        let (one, two) = (self.prepared(side).vertex(v), self.prepared(side.other()).vertex(w));
         if !M::vertex_takes_part(one.convex) || !M::vertex_takes_part(two.convex) {
             return false;
         }
@@ -34,7 +34,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// Vertex `v` of `side` is in the territory of edge `e` of the other block.
     pub(super) fn in_edge_territory(&mut self, side: Side, v: VertexId, e: EdgeId) -> bool {
-        let (vertex, edge) = (self.solid(side).vertex(v), self.solid(side.other()).edge(e));
+        let (vertex, edge) = (self.prepared(side).vertex(v), self.prepared(side.other()).edge(e));
         M::vertex_takes_part(vertex.convex)
             && M::edge_takes_part(edge.convex)
             && self.foot_inside(side, v, e)
@@ -44,14 +44,14 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// The foot of vertex `v` of `side` lies strictly inside edge `e` of the other block.
     #[inline(always)]
     pub(super) fn foot_inside(&mut self, side: Side, v: VertexId, e: EdgeId) -> bool {
-        let (at, edge) = (self.solid(side).vertex(v).at, self.solid(side.other()).edge(e));
+        let (at, edge) = (self.prepared(side).vertex(v).at, self.prepared(side.other()).edge(e));
         let inside = M::foot_inside((at - edge.p).dot(edge.direction), (at - edge.q).dot(edge.direction));
         self.ask(Predicate::FootInside, &[Feature::Vertex(side, v), Feature::Edge(side.other(), e)], inside)
     }
 
     /// A vertex whose foot is inside the edge is within the edge's radius.
     pub(super) fn in_edge_radius(&mut self, side: Side, v: VertexId, e: EdgeId, distance: R) -> bool {
-        let [left, right] = self.solid(side.other()).widths(e);
+        let [left, right] = self.prepared(side.other()).widths(e);
         let inside = M::edge_territory(distance, M::edge_radius(self.t, left, right));
         self.ask(Predicate::EdgeTerritory, &[Feature::Vertex(side, v), Feature::Edge(side.other(), e)], inside)
     }

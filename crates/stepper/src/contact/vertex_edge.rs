@@ -15,7 +15,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// Records the contact of vertex `v` of `side` and edge `e` of the other block, if there is one. Only those of its planes are asked that
     /// `planes` holds.
     pub(super) fn vertex_edge(&mut self, side: Side, v: VertexId, e: EdgeId, planes: Planes) {
-        let ridge = self.solid(side.other()).edge(e);
+        let ridge = self.prepared(side.other()).edge(e);
         let of_end = |pair: &mut Self| {
             M::ends_before_edge()
                 && (pair.in_vertex_territory(side, v, ridge.edge.p) || pair.in_vertex_territory(side, v, ridge.edge.q))
@@ -44,7 +44,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         e: EdgeId,
         of_end: impl FnOnce(&mut Self) -> bool,
     ) -> bool {
-        let (own, other) = (self.solid(side), self.solid(side.other()));
+        let (own, other) = (self.prepared(side), self.prepared(side.other()));
         let (vertex, ridge) = (own.vertex(v), other.edge(e));
         if !M::vertex_takes_part(vertex.convex) || !M::edge_takes_part(ridge.convex) || !self.foot_inside(side, v, e) {
             return false;
@@ -68,7 +68,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
         e: EdgeId,
         mut each: impl FnMut(&mut Self, usize, Plane),
     ) {
-        let (own, edge) = (self.solid(side), self.solid(side.other()).edge(e).edge);
+        let (own, edge) = (self.prepared(side), self.prepared(side.other()).edge(e).edge);
         let mut faces = [edge.left, edge.right];
         faces.sort_unstable();
         for (number, face) in faces.into_iter().enumerate() {
@@ -83,9 +83,9 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// `(a − p)·m ≤ 0` for both faces at the edge.
     fn in_edge_region(&mut self, side: Side, v: VertexId, e: EdgeId) -> bool {
-        let other = self.solid(side.other());
+        let other = self.prepared(side.other());
         let ridge = other.edge(e);
-        let offset = self.solid(side).vertex(v).at - ridge.p;
+        let offset = self.prepared(side).vertex(v).at - ridge.p;
         [(ridge.edge.left, FaceOfEdge::Left), (ridge.edge.right, FaceOfEdge::Right)].into_iter().all(|(face, of)| {
             let about = [Feature::Vertex(side, v), Feature::Edge(side.other(), e), Feature::Face(side.other(), face)];
             self.ask(Predicate::EdgeRegion, &about, M::edge_region(offset.dot(other.into_face(e, of))))
@@ -94,7 +94,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// `(f − a)·u ≤ 0` for all edges at the vertex, f its foot on the edge.
     fn foot_in_vertex_region(&mut self, side: Side, v: VertexId, e: EdgeId) -> bool {
-        let (own, ridge) = (self.solid(side), self.solid(side.other()).edge(e));
+        let (own, ridge) = (self.prepared(side), self.prepared(side.other()).edge(e));
         let from_p = own.vertex(v).at - ridge.p;
         let to_foot = ridge.direction * from_p.dot(ridge.direction) - from_p;
         M::region(own.edges_at(v)).iter().all(|&at| {

@@ -32,8 +32,8 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
     /// A vertex is near a face, not too deep, and its projection inside.
     #[inline(always)]
     pub(super) fn vertex_meets_face(&mut self, side: Side, v: VertexId, f: FaceId, contact: ContactKey) -> bool {
-        let other = self.solid(side.other());
-        let (at, face) = (self.solid(side).vertex(v).at, other.face(f));
+        let other = self.prepared(side.other());
+        let (at, face) = (self.prepared(side).vertex(v).at, other.face(f));
         let asked = [Feature::Vertex(side, v), Feature::Face(side.other(), f)];
         let gap = face.normal.dot(at - face.point);
         self.ask(Predicate::VertexFaceNear, &asked, M::vertex_face_near(gap, self.t.search))
@@ -48,10 +48,10 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// A vertex is in the territory of a vertex or an edge of the face.
     pub(super) fn belongs_to_rim(&mut self, side: Side, v: VertexId, f: FaceId) -> bool {
-        if !M::vertex_takes_part(self.solid(side).vertex(v).convex) {
+        if !M::vertex_takes_part(self.prepared(side).vertex(v).convex) {
             return false;
         }
-        let topology = self.solid(side.other()).block().topology();
+        let topology = self.prepared(side.other()).block().topology();
         (M::vertices_before_faces_and_edges() && topology.face(f).iter().any(|&w| self.in_vertex_territory(side, v, w)))
             || (M::edges_before_faces_and_edges()
                 && topology.face_edges(f).iter().any(|&e| self.in_edge_territory(side, v, e)))
@@ -59,30 +59,30 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 }
 
 /// The projection of a point along the normal lies strictly inside the face. **On the rim says no.**
-fn is_over_face<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R>, f: FaceId) -> bool {
-    if solid.turns_left(f) {
-        solid.block().topology().face_edges(f).iter().all(|&e| M::inside_face(inward(at, solid, f, e)))
+fn is_over_face<R: Real, M: ContactRules>(at: Vector<R>, prepared: &PreparedBlock<R>, f: FaceId) -> bool {
+    if prepared.turns_left(f) {
+        prepared.block().topology().face_edges(f).iter().all(|&e| M::inside_face(inward(at, prepared, f, e)))
     } else {
-        winds_around::<R, M>(at, solid, f)
+        winds_around::<R, M>(at, prepared, f)
     }
 }
 
 /// How far a point is on the inner side of edge `e` of face `f`.
 #[inline]
-fn inward<R: Real>(at: Vector<R>, solid: &PreparedBlock<R>, f: FaceId, e: EdgeId) -> R {
-    let ridge = solid.edge(e);
+fn inward<R: Real>(at: Vector<R>, prepared: &PreparedBlock<R>, f: FaceId, e: EdgeId) -> R {
+    let ridge = prepared.edge(e);
     let side = if ridge.edge.left == f { FaceOfEdge::Left } else { FaceOfEdge::Right };
-    (at - ridge.p).dot(solid.into_face(e, side))
+    (at - ridge.p).dot(prepared.into_face(e, side))
 }
 
 /// Inside by the winding number (Sunday 2001), for a face with a corner that turns right. Levels are measured from the
 /// point along a direction in the face plane. What counts as above at the point's own level changes nothing, because each
 /// corner's level is judged once for both its edges; so only sides are decisions.
-fn winds_around<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R>, f: FaceId) -> bool {
-    let topology = solid.block().topology();
+fn winds_around<R: Real, M: ContactRules>(at: Vector<R>, prepared: &PreparedBlock<R>, f: FaceId) -> bool {
+    let topology = prepared.block().topology();
     let corners = topology.face(f);
-    let upwards = across(solid.face(f).normal);
-    let level = |corner: VertexId| (solid.vertex(corner).at - at).dot(upwards);
+    let upwards = across(prepared.face(f).normal);
+    let level = |corner: VertexId| (prepared.vertex(corner).at - at).dot(upwards);
     let first = level(corners[0]);
     let mut start = first;
     let mut winding = 0;
@@ -96,11 +96,11 @@ fn winds_around<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R
         if misses_level {
             continue;
         }
-        let side = inward(at, solid, f, e);
+        let side = inward(at, prepared, f, e);
         match (M::inside_face(side), M::inside_face(-side)) {
             (true, _) if !from_above && to_above => winding += 1,
             (_, true) if from_above && !to_above => winding -= 1,
-            (false, false) if is_between_ends(at, solid, e) => return false,
+            (false, false) if is_between_ends(at, prepared, e) => return false,
             _ => {}
         }
     }
@@ -108,8 +108,8 @@ fn winds_around<R: Real, M: ContactRules>(at: Vector<R>, solid: &PreparedBlock<R
 }
 
 /// For a point on an edge's line: whether it is on the edge, ends included.
-fn is_between_ends<R: Real>(at: Vector<R>, solid: &PreparedBlock<R>, e: EdgeId) -> bool {
-    let ridge = solid.edge(e);
+fn is_between_ends<R: Real>(at: Vector<R>, prepared: &PreparedBlock<R>, e: EdgeId) -> bool {
+    let ridge = prepared.edge(e);
     !(at - ridge.p).dot(ridge.direction).surely_below(R::ZERO)
         && !R::ZERO.surely_below((at - ridge.q).dot(ridge.direction))
 }
@@ -168,10 +168,10 @@ mod tests {
                 let sides = (0..n).map(|k| vec![k, (k + 1) % n, n + (k + 1) % n, n + k]);
                 let faces = [(0..n).rev().collect(), (n..2 * n).collect()].into_iter().chain(sides).collect();
                 let block = Block::new(vertices.collect(), faces, &BlockOptions { planarity: Number::ZERO }).unwrap();
-                let solid = PreparedBlock::<R>::new(&block).unwrap();
+                let prepared = PreparedBlock::<R>::new(&block).unwrap();
                 for (x, y) in (-1..8).flat_map(|x| (-1..8).map(move |y| (x, y))) {
                     let [u, v, w] = turned([x, y, 1], way).map(|c| R::from_f64(f64::from(c)));
-                    let found = is_over_face::<R, SpecRules>(Vector::new(u, v, w), &solid, FaceId(1));
+                    let found = is_over_face::<R, SpecRules>(Vector::new(u, v, w), &prepared, FaceId(1));
                     let strictly = |[[x0, y0], [x1, y1]]: &[[i32; 2]; 2]| *x0 < x && x < *x1 && *y0 < y && y < *y1;
                     let expected = rectangles.iter().any(strictly);
                     assert_eq!(found, expected, "({x}, {y}) over {outline:?}, turned the way {way}");

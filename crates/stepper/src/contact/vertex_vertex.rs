@@ -69,7 +69,7 @@ impl<R: Real, M: ContactRules, O: Observer> Pair<'_, R, M, O> {
 
     /// Vertex `v` of `side` lies in the vertex region of `w` of the other block: `(v − w)·u ≤ 0` for all edges at `w`.
     fn in_vertex_region(&mut self, side: Side, v: VertexId, w: VertexId) -> bool {
-        let (own, other) = (self.solid(side), self.solid(side.other()));
+        let (own, other) = (self.prepared(side), self.prepared(side.other()));
         let offset = own.vertex(v).at - other.vertex(w).at;
         M::region(other.edges_at(w)).iter().all(|&e| {
             let about = [Feature::Vertex(side, v), Feature::Vertex(side.other(), w), Feature::Edge(side.other(), e)];

@@ -14,7 +14,7 @@ mod hand_worked;
 mod kept;
 mod nearby_features;
 mod planted;
-mod solid;
+mod prepared_block;
 mod traces;
 mod true_exits;
 mod wide;

@@ -23,9 +23,9 @@ impl Random {
 }
 
 /// A block with its vertices moved along each axis by at most `by`: as a whole, or each by itself.
-fn moved<R: Real>(solid: &PreparedBlock<R>, by: f64, rigid: bool, random: &mut Random) -> Option<PreparedBlock<R>> {
+fn moved<R: Real>(prepared: &PreparedBlock<R>, by: f64, rigid: bool, random: &mut Random) -> Option<PreparedBlock<R>> {
     let all: [f64; 3] = std::array::from_fn(|_| random.next());
-    let points: Vec<Vector<R>> = solid
+    let points: Vec<Vector<R>> = prepared
         .vertices()
         .iter()
         .map(|vertex| {
@@ -36,7 +36,7 @@ fn moved<R: Real>(solid: &PreparedBlock<R>, by: f64, rigid: bool, random: &mut R
             Vector::new(to(x, share[0]), to(y, share[1]), to(z, share[2]))
         })
         .collect();
-    solid.clone().with_points(&points).ok()
+    prepared.clone().with_points(&points).ok()
 }
 
 fn contacts<R: Real>(request: ClassificationRequest<'_, R>) -> Vec<(String, u64)> {

@@ -82,10 +82,10 @@ fn true_exits_are_asked_where_they_choose() {
     // One candidate, nothing overlaps: nobody asks.
     let above = crate::pairs::spike([1.0, 1.0, 1.0625], 0.25, 0.5);
     assert!(true_exits(&traced(&above, &base(), &t)).is_empty());
-    let solids = [&behind_side(), &base()].map(|block| PreparedBlock::<f64>::new(block).unwrap());
+    let prepared = [&behind_side(), &base()].map(|block| PreparedBlock::<f64>::new(block).unwrap());
     let request = ClassificationRequest {
-        a: &solids[0],
-        b: &solids[1],
+        a: &prepared[0],
+        b: &prepared[1],
         tolerances: &Tolerances::new(&t).unwrap(),
         kept: &[],
         among: None,

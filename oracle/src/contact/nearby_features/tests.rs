@@ -80,8 +80,8 @@ fn compare(margin: f64, found_for: f64) -> Seen {
         let at = [place(&mut dice), place(&mut dice), height];
         let blocks = [block(shapes[0], [0.0; 3]), block(shapes[1], at)];
         let tolerances = tolerances(&mut dice);
-        let solids = blocks.each_ref().map(PreparedBlock::new);
-        let pair = Pair::new(&solids[0], &solids[1]);
+        let prepared = blocks.each_ref().map(PreparedBlock::new);
+        let pair = Pair::new(&prepared[0], &prepared[1]);
         let mut nearby = pair.nearby_features(&tolerances, found_for).expect("a margin");
         nearby.margin = margin;
         seen.nearby += nearby.len();
@@ -90,8 +90,8 @@ fn compare(margin: f64, found_for: f64) -> Seen {
             let common = if turn < 3 { [0.0; 3] } else { [1024.0, -3.5, 0.25] };
             // Half of the margin each, since A's first vertex moves too.
             let now = blocks.each_ref().map(|block| moved(&mut dice, block, margin * 0.49, common));
-            let solids = now.each_ref().map(PreparedBlock::new);
-            let pair = Pair::new(&solids[0], &solids[1]);
+            let prepared = now.each_ref().map(PreparedBlock::new);
+            let pair = Pair::new(&prepared[0], &prepared[1]);
             assert!(covers(&nearby, &pair, &tolerances), "moved by half of the margin");
             let all = pair.classify(&tolerances).contacts;
             let deep = ContactKey::EdgeEdge(EdgeId(dice.below(6) as u32), EdgeId(dice.below(6) as u32));
@@ -140,32 +140,32 @@ fn who_is_not_near_is_not_covered() {
     let mut dice = Dice(3);
     let tolerances = ToleranceSet { search: Number::from_f64(0.25).expect("finite"), ..without_tolerances() };
     let blocks = [block(0, [0.0; 3]), block(0, [1.0, 1.0, 4.0])];
-    let solids = blocks.each_ref().map(PreparedBlock::new);
-    let pair = Pair::new(&solids[0], &solids[1]);
+    let prepared = blocks.each_ref().map(PreparedBlock::new);
+    let pair = Pair::new(&prepared[0], &prepared[1]);
     let margin = 1.0 / 64.0;
     let nearby = pair.nearby_features(&tolerances, margin).expect("a margin");
     assert!(covers(&nearby, &pair, &tolerances) && !nearby.is_empty());
     let wider = ToleranceSet { search: Number::from_integer(1), ..tolerances.clone() };
     assert!(!covers(&nearby, &pair, &wider));
-    let turned = Pair::new(&solids[1], &solids[0]);
+    let turned = Pair::new(&prepared[1], &prepared[0]);
     assert!(!covers(&nearby, &turned, &tolerances));
     let far = PreparedBlock::new(&block(0, [1.0, 1.0, 4.0 + 2.0 * margin]));
-    let apart = Pair::new(&solids[0], &far);
+    let apart = Pair::new(&prepared[0], &far);
     assert!(!covers(&nearby, &apart, &tolerances));
     assert_eq!(apart.classify_nearby(&tolerances, &nearby, &[]).contacts, apart.classify(&tolerances).contacts);
     let other = PreparedBlock::new(&block(2, [1.0, 1.0, 4.0]));
-    assert!(!covers(&nearby, &Pair::new(&solids[0], &other), &tolerances));
+    assert!(!covers(&nearby, &Pair::new(&prepared[0], &other), &tolerances));
     // One vertex alone, by the least that is too much.
     let [a, mut b] = blocks.clone();
     let mut vertices = b.vertices().to_vec();
     vertices[5].y = vertices[5].y.plus(&Number::from_f64(margin * (1.0 + 1e-9)).expect("finite"));
     b = b.with_vertices(vertices);
-    let solids = [&a, &b].map(PreparedBlock::new);
-    assert!(!covers(&nearby, &Pair::new(&solids[0], &solids[1]), &tolerances));
+    let prepared = [&a, &b].map(PreparedBlock::new);
+    assert!(!covers(&nearby, &Pair::new(&prepared[0], &prepared[1]), &tolerances));
     // Together, as far as may be.
     let common = [1e6, 1e6, -1e6];
-    let solids = blocks.each_ref().map(|block| PreparedBlock::new(&moved(&mut dice, block, 0.0, common)));
-    assert!(covers(&nearby, &Pair::new(&solids[0], &solids[1]), &tolerances));
+    let prepared = blocks.each_ref().map(|block| PreparedBlock::new(&moved(&mut dice, block, 0.0, common)));
+    assert!(covers(&nearby, &Pair::new(&prepared[0], &prepared[1]), &tolerances));
     for margin in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(pair.nearby_features(&tolerances, margin).is_none());
     }

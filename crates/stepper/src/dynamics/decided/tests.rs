@@ -125,10 +125,10 @@ fn an_edge_far_out_of_the_plane_of_its_face_may_not_stay_whole() {
     // The top of a prism whose fourth corner is bent up: its normal is inclined to its edges.
     let points = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]];
     let bent = |up: f64| {
-        let mut solid = PreparedBlock::<Wide>::new(&cuboid([0.0; 3], [1.0; 3])).expect("a block");
+        let mut prepared = PreparedBlock::<Wide>::new(&cuboid([0.0; 3], [1.0; 3])).expect("a block");
         let low = points.map(|[x, y, _]| [x, y, 0.0]);
         let high = points.map(|[x, y, z]| [x, y, if x + y == 2.0 { z + up } else { z }]);
-        let exact = solid.block().vertices().to_vec();
+        let exact = prepared.block().vertices().to_vec();
         let near = |p: &[f64; 3]| Vector::new(Wide::of_f64(p[0]), Wide::of_f64(p[1]), Wide::of_f64(p[2]));
         let moved = |v: &rockproof_model::Point| {
             let at = [v.x.approximate(), v.y.approximate(), v.z.approximate()];
@@ -137,8 +137,8 @@ fn an_edge_far_out_of_the_plane_of_its_face_may_not_stay_whole() {
             all.into_iter().find(same).map(near).expect("a corner")
         };
         let points: Vec<_> = exact.iter().map(moved).collect();
-        solid = solid.with_points(&points).expect("a block");
-        stays_whole(&solid, &[Wide::EXACT_ZERO; 12])
+        prepared = prepared.with_points(&points).expect("a block");
+        stays_whole(&prepared, &[Wide::EXACT_ZERO; 12])
     };
     assert!(bent(0.125));
     assert!(!bent(1.0));

@@ -14,27 +14,27 @@ use rockproof_stepper::{
 };
 
 fn measures<R: Real>() {
-    let solid = PreparedBlock::<R>::new(&cuboid([1.0, 2.0, 3.0], [3.0, 5.0, 7.0])).unwrap();
+    let prepared = PreparedBlock::<R>::new(&cuboid([1.0, 2.0, 3.0], [3.0, 5.0, 7.0])).unwrap();
     let list = |v: Vector<R>| v.components().map(R::to_f64);
-    let face = solid.face(FaceId(3));
+    let face = prepared.face(FaceId(3));
     assert_eq!((list(face.normal), list(face.point)), ([1.0, 0.0, 0.0], [3.0, 3.5, 5.0]));
-    assert!((0..6).all(|f| solid.turns_left(FaceId(f))));
+    assert!((0..6).all(|f| prepared.turns_left(FaceId(f))));
     // Edge 0 runs 0-1 along x between the bottom (reached by +y) and the front (reached by +z).
-    let edge = solid.edge(EdgeId(0));
+    let edge = prepared.edge(EdgeId(0));
     assert_eq!((list(edge.direction), edge.length.to_f64()), ([1.0, 0.0, 0.0], 2.0));
     let [left, right] = FaceOfEdge::BOTH;
     let into = if edge.edge.left == FaceId(0) { [left, right] } else { [right, left] }
-        .map(|face| solid.into_face(EdgeId(0), face));
+        .map(|face| prepared.into_face(EdgeId(0), face));
     assert_eq!(into.map(list), [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-    let widths = solid.widths(EdgeId(0)).map(R::to_f64);
+    let widths = prepared.widths(EdgeId(0)).map(R::to_f64);
     assert_eq!(widths.iter().sum::<f64>(), 7.0);
     // m_L + m_R = N × d: twice the areas 2·3 and 2·4 times the length 2.
-    assert_eq!(list(solid.lean(EdgeId(0))), [0.0, 24.0, 32.0]);
-    assert_eq!(solid.vertex(VertexId(6)).shortest.to_f64(), 2.0);
+    assert_eq!(list(prepared.lean(EdgeId(0))), [0.0, 24.0, 32.0]);
+    assert_eq!(prepared.vertex(VertexId(6)).shortest.to_f64(), 2.0);
     let away: Vec<_> =
-        solid.edges_at(VertexId(6)).iter().map(|&e| list(solid.edge_at_vertex(VertexId(6), e).away)).collect();
+        prepared.edges_at(VertexId(6)).iter().map(|&e| list(prepared.edge_at_vertex(VertexId(6), e).away)).collect();
     assert_eq!(away, [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]]);
-    assert_eq!((list(solid.bounds().low), list(solid.bounds().high)), ([1.0, 2.0, 3.0], [3.0, 5.0, 7.0]));
+    assert_eq!((list(prepared.bounds().low), list(prepared.bounds().high)), ([1.0, 2.0, 3.0], [3.0, 5.0, 7.0]));
 }
 
 #[test]
@@ -74,10 +74,10 @@ fn the_bulge_is_the_greatest_distance_of_a_corner_from_its_face() {
 
 /// Edges of bent faces are not in the planes of those.
 fn directions_are_of_unit_length<R: Real>() {
-    let solid = PreparedBlock::<R>::new(&bent()).unwrap();
-    for e in solid.block().topology().edge_ids() {
+    let prepared = PreparedBlock::<R>::new(&bent()).unwrap();
+    for e in prepared.block().topology().edge_ids() {
         for side in FaceOfEdge::BOTH {
-            let length = solid.into_face(e, side).length().to_f64();
+            let length = prepared.into_face(e, side).length().to_f64();
             assert!((length - 1.0).abs() < 1e-15, "edge {e}: {length}");
         }
     }
@@ -94,8 +94,8 @@ fn an_end_of_a_long_edge_does_not_count_as_the_width_of_a_face() {
     // The far end (608, 784, 0) of edge 0-1 is on its line; but its direction rounds, which in f32 makes that 6e-5. Vertex 2 is 1e-5 from
     // it, across (0.6128, 0.7902, 0), and vertex 3 is 1 from it.
     let thin = tetrahedron([[0.0; 3], [608.0, 784.0, 0.0], [-7.902e-6, 6.128e-6, 0.0], [0.0, 0.0, 1.0]]);
-    let solid = PreparedBlock::<f32>::new(&thin).unwrap();
-    let [one, two] = solid.widths(EdgeId(0));
+    let prepared = PreparedBlock::<f32>::new(&thin).unwrap();
+    let [one, two] = prepared.widths(EdgeId(0));
     let (narrow, wide) = (one.min(two), one.max(two));
     assert!((narrow / 1e-5 - 1.0).abs() < 0.01 && wide == 1.0, "{narrow:e} {wide:e}");
 }
