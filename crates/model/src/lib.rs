@@ -9,6 +9,7 @@ pub mod decision;
 pub mod decision_index;
 mod dyadic;
 pub mod files;
+pub mod fraction;
 pub mod lattice;
 mod named;
 pub mod number;

@@ -3,6 +3,7 @@
 // Longer than 400 lines: one type, how it is read, rounded and calculated with.
 
 use crate::dyadic::Dyadic;
+use crate::fraction;
 use num_bigint::{BigInt, BigUint};
 use num_integer::Integer;
 use num_rational::BigRational;
@@ -256,7 +257,7 @@ impl Number {
             | (NumberForm::Float(float), NumberForm::Ratio(ratio)) => {
                 Number::from_rational(ratio_plus_float(ratio, *float))
             }
-            _ => Number::from_rational(self.to_rational() + other.to_rational()),
+            _ => Number::from_rational(fraction::sum(&self.to_rational(), &other.to_rational())),
         }
     }
 
@@ -280,7 +281,7 @@ impl Number {
         }
         match (self.dyadic(), other.dyadic()) {
             (Some(a), Some(b)) => Number::from_rational(a.times(b).into_rational()),
-            _ => Number::from_rational(self.to_rational() * other.to_rational()),
+            _ => Number::from_rational(fraction::product(&self.to_rational(), &other.to_rational())),
         }
     }
 

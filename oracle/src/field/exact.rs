@@ -3,9 +3,9 @@
 use super::{Field, UpperBound};
 use crate::mass::Integrals;
 use num_bigint::BigInt;
-use num_integer::Integer;
 use num_rational::BigRational;
-use num_traits::{CheckedDiv, Signed};
+use num_traits::Signed;
+use rockproof_model::fraction::{self, common_multiple};
 use rockproof_model::number::round_rational;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Number, Precision, Sign, Topology, Vec3};
@@ -20,7 +20,7 @@ impl Field for BigRational {
     }
 
     fn over(&self, divisor: &Self) -> Option<Self> {
-        self.checked_div(divisor)
+        fraction::quotient(self, divisor)
     }
 
     /// Only squares of fractions have a root here.
@@ -29,7 +29,7 @@ impl Field for BigRational {
     }
 
     fn half(&self) -> Self {
-        self / BigInt::from(2)
+        fraction::product(self, &BigRational::new_raw(1.into(), 2.into()))
     }
 
     fn certain_sign(&self) -> Option<Sign> {
@@ -39,13 +39,13 @@ impl Field for BigRational {
     /// In integers, with one common denominator: sums of fractions would take a greatest common divisor for each.
     fn integrals(points: &[Vec3<Self>], topology: &Topology) -> Integrals<Self> {
         let components = points.iter().flat_map(Vec3::components);
-        let unit = components.fold(BigInt::from(1), |unit, value| unit.lcm(value.denom()));
+        let unit = components.fold(BigInt::from(1), |unit, value| common_multiple(&unit, value.denom()));
         let whole = |value: &BigRational| value.numer() * (&unit / value.denom());
         let points: Vec<Vec3<BigInt>> = points.iter().map(|point| point.map(whole)).collect();
         let Integrals { six_volumes, first, second } = Integrals::of(&points, topology);
         let over = |power: u32| {
             let divisor = unit.pow(power);
-            move |sum: BigInt| BigRational::new(sum, divisor.clone())
+            move |sum: BigInt| fraction::lowest(sum, divisor.clone())
         };
         let [first_x, first_y, first_z] = [first.x, first.y, first.z].map(over(4));
         Integrals {

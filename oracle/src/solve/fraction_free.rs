@@ -1,9 +1,9 @@
 //! The exact solution by elimination without fractions (E. H. Bareiss, 1968).
 
 use num_bigint::BigInt;
-use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Zero};
+use rockproof_model::fraction::{common_multiple, lowest};
 
 /// The exact solution of `rows · x = right`; `None` where the matrix is singular.
 ///
@@ -40,12 +40,12 @@ pub(crate) fn solve(rows: &[Vec<BigRational>], right: &[BigRational]) -> Option<
         }
         y[row] = sum / &a[row][row];
     }
-    Some(y.into_iter().map(|y| BigRational::new(y, determinant.clone())).collect())
+    Some(y.into_iter().map(|y| lowest(y, determinant.clone())).collect())
 }
 
 /// A row and its right side times their common denominator.
 fn integers(row: &[BigRational], right: &BigRational) -> Vec<BigInt> {
     let all = || row.iter().chain([right]);
-    let common = all().fold(BigInt::one(), |common: BigInt, value| common.lcm(value.denom()));
+    let common = all().fold(BigInt::one(), |common, value| common_multiple(&common, value.denom()));
     all().map(|value| value.numer() * (&common / value.denom())).collect()
 }
