@@ -8,8 +8,8 @@ use crate::reading::{is_apart_in, is_bent, planarity_that_merges, planarity_that
 use anyhow::Context;
 use rockproof_examine::{CheckError, CheckedModel, Naming, in_seven_digits, violation_json, violations_text};
 use rockproof_model::text::noun;
-use rockproof_model::tolerance_rules::{Fall, Thin};
-use rockproof_model::{Precision, Scene};
+use rockproof_model::tolerance_rules::{Fall, Thin, Warning};
+use rockproof_model::{Number, Precision, Scene};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -60,9 +60,11 @@ impl Check {
             print(&table(&model))?;
         }
         model.notes.iter().for_each(|note| print_note(note));
-        let overlaps = overlaps(&model.scene.shapes(), &model.set, None);
-        let warnings =
-            || model.fall.iter().map(warning).chain(model.thin.iter().map(warning_of_thin)).collect::<String>();
+        let overlaps = overlaps(&model.scene, &model.set, None);
+        let warnings = || {
+            let (falls, thin) = (model.fall.iter().map(warning_of_fall), model.thin.iter().map(warning_of_thin));
+            falls.chain(thin).chain(model.warnings.iter().map(warning)).collect::<String>()
+        };
         let rest = || warnings() + &overlaps.report(&model.scene);
         self.format.print(rest, || {
             let mut document = model.json();
@@ -87,7 +89,7 @@ impl ModelArgs {
             file: self.file.shown(),
             read: self.read.shown(),
             tolerances: self.tolerances.shown(),
-            units_are_meant: self.read.options().scale.is_some(),
+            units_are_meant: self.read.options().scale == Some(Number::from_integer(1)),
             dir: Some(dir.to_path_buf()),
             is_usual_dir,
         }
@@ -193,7 +195,7 @@ fn write_tolerances(out: &mut String, model: &CheckedModel) -> std::fmt::Result 
 
 /// A fall that is not stopped within `penetration`, in the form of a violated rule. It is no violation: whether anything falls so
 /// far, rules do not know.
-fn warning(fall: &Fall) -> String {
+fn warning_of_fall(fall: &Fall) -> String {
     let Fall { block, remedy, .. } = fall;
     let [weight, height, stiffness, depth, allowed] =
         [fall.weight, fall.height, fall.stiffness, fall.depth, fall.allowed].map(in_seven_digits);
@@ -204,6 +206,19 @@ fn warning(fall: &Fall) -> String {
         \x20   found      {depth}, allowed {allowed}, by block {block} of {weight} N falling {height} m\n\
         \x20   because    the contact takes p·d²/2 = W·(height + d): normal_stiffness is {stiffness}, needed is {needed}\n\
         \x20   satisfied  by {remedy}\n"
+    )
+}
+
+/// What violates no rule and yet lets blocks pass through one another, in the same form.
+fn warning(warning: &Warning) -> String {
+    let Warning { kind, block, found, allowed, remedy } = warning;
+    let [found, allowed] = [*found, *allowed].map(in_seven_digits);
+    let by = block.map_or(String::new(), |block| format!(", by block {block}"));
+    format!(
+        "\nwarning: {}\n  {}\n    found      {found}, allowed {allowed}{by}\n    because    {}\n    satisfied  by {remedy}\n",
+        kind.title(),
+        kind.formula(),
+        kind.reason()
     )
 }
 

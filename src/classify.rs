@@ -112,7 +112,7 @@ impl Classify {
         let classifier = Classifier::new(self.engine, &blocks, &tolerances).with_context(place)?;
         // Blocks that overlap deeper than any contact says are the first thing to know of a model. A row of CSV is a contact, so there it is not told.
         let audited = !matches!(self.format, OutputFormat::Csv);
-        let overlaps = audited.then(|| overlaps(&blocks, &tolerances, Some(&pairs)));
+        let overlaps = audited.then(|| overlaps(&scene, &tolerances, Some(&pairs)));
         let mut rows = Vec::new();
         counted_while((pairs.len() as u64, "pairs"), "classified", |done| {
             let found = classifier.all(&pairs, done, audited);

@@ -5,8 +5,8 @@ use crate::table::grouped;
 use crate::terminal::{BAR_INTERVAL, Progress, beside, in_groups};
 use indicatif::{ProgressBar, ProgressStyle};
 use rockproof_campaign::journal::ProgressCounts;
-use rockproof_examine::{MeasuredOverlaps, Overlaps, Stage, StageProgress, WorkProgress};
-use rockproof_model::{Block, ToleranceSet};
+use rockproof_examine::{MeasuredOverlaps, OverlapScope, Overlaps, Stage, StageProgress, WorkProgress};
+use rockproof_model::{Scene, ToleranceSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -34,11 +34,13 @@ fn progress<'n>(all: (u64, &'static str), now: &'n (dyn Fn() -> (u64, String) + 
     Progress { all, now, has_bar: shows_progress(), line: print_note, lines_every: LINES }
 }
 
-/// The overlaps of all neighbouring pairs, or of some, measured where they may be more than rounding, with progress.
-pub(crate) fn overlaps(blocks: &[&Block], tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Overlaps {
+/// The overlaps of all neighbouring pairs of a scene, or of some, measured where they may be more than rounding, with progress.
+pub(crate) fn overlaps(scene: &Scene, tolerances: &ToleranceSet, only: Option<&[(usize, usize)]>) -> Overlaps {
     let (seen, stop) = (WorkProgress::default(), AtomicBool::new(false));
     stages_while(&seen, || {
-        rockproof_examine::overlaps(blocks, tolerances, (only, MeasuredOverlaps::BeyondRounding), &seen, &stop)
+        let (measured, fixed) = (MeasuredOverlaps::BeyondRounding, scene.fixed());
+        let scope = OverlapScope { only, measured, fixed: &fixed };
+        rockproof_examine::overlaps(&scene.shapes(), tolerances, scope, &seen, &stop)
     })
 }
 

@@ -101,7 +101,7 @@ pub(crate) struct Simulate {
     #[arg(long)]
     overwrite: bool,
 
-    /// What steps leave out where nothing can have changed: `all`, `none`, or names out of `blocks`, `pairs`, `islands` [default: what the
+    /// What steps leave out where nothing can have changed: `all`, `none`, or names out of `blocks`, `pairs`, `islands`, `features` [default: what the
     /// scene says, else all]; no byte of any file depends on it
     #[arg(long, value_name = "NAMES", value_parser = skips)]
     skips: Option<Skips>,
@@ -226,7 +226,7 @@ impl Simulate {
             print_note("nothing was run; --force runs all the same");
             return Ok(ExitStatus::CheckFailed);
         }
-        let overlaps = overlaps(&scene.shapes(), &set, None);
+        let overlaps = overlaps(&scene, &set, None);
         let lost = overlaps.sentence().filter(|_| overlaps.lost() > 0);
         if let Some(sentence) = &lost {
             if !self.force && !self.resume {

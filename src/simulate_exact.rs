@@ -98,7 +98,7 @@ impl ExactRun {
         let time = trajectory.state().time.approximate();
         let text = || {
             format!(
-                "time             {time} s after {} exact {}\nkept             {kept}\nundecided        {undecided} {}\nwritten to {}: {}\n",
+                "time             {time} s after {} exact {}\nkept             {kept}\nundecided        {undecided} {}\naudit            none: nobody looked for overlaps that no contact sees (max_penetration_m in trajectory.csv is of all blocks)\nwritten to {}: {}\n",
                 trajectory.steps(),
                 noun(trajectory.steps(), "step", "steps"),
                 noun(undecided, "decision", "decisions"),

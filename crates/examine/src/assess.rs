@@ -4,13 +4,13 @@ use crate::checked::CheckedModel;
 use crate::error::ExamineError;
 use crate::extents::short;
 use crate::naming::file_name;
-use crate::overlaps::{MeasuredOverlaps, Overlaps, overlaps};
+use crate::overlaps::{MeasuredOverlaps, OverlapScope, Overlaps, overlaps};
 use crate::pairs::{self, ExaminedPair, PRECISIONS};
 use crate::progress::{Stage, WorkProgress};
 use crate::recommend::{Recommendation, better};
 use crate::steps::{self, Steps};
 use rockproof_differential::subject::NamedSet;
-use rockproof_model::tolerance_rules::{self, Thin, Violation};
+use rockproof_model::tolerance_rules::{self, Thin, Violation, Warning};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
 use rockproof_report::table::counted;
 use rockproof_tune::report::markdown;
@@ -46,6 +46,8 @@ pub struct Assessment {
     pub violations: Vec<Violation>,
     /// A block that `penetration` is more than half as thick as.
     pub thin: Option<Thin>,
+    /// What violates no rule and yet lets blocks pass through one another.
+    pub warnings: Vec<Warning>,
     /// The blocks that overlap.
     pub overlaps: Overlaps,
     /// All neighbouring pairs, in ascending order.
@@ -79,7 +81,12 @@ impl Assessment {
 
     /// Whether nothing is wrong with the model under this set, something was tried, and what is wrong could have been seen.
     pub fn is_safe(&self, precision: Precision) -> bool {
-        self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.thin.is_none()
+        self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.may_see_all()
+    }
+
+    /// Whether nothing in the tolerances keeps what is wrong from being seen in a few steps, or at all.
+    pub(crate) fn may_see_all(&self) -> bool {
+        self.thin.is_none() && self.warnings.is_empty()
     }
 
     /// Whether there were contacts to be wrong: blocks near one another at the start, or in the steps.
@@ -149,7 +156,10 @@ impl Work<'_> {
         let set = sets.of(model.precision).clone();
         let violations = tolerance_rules::check_scene(&set, &model.scene, model.precision);
         let thin = tolerance_rules::thin(&set, &shapes);
-        let overlaps = overlaps(&shapes, &set, (None, MeasuredOverlaps::All), self.seen, self.stop);
+        let warnings = tolerance_rules::warnings(&set, &model.scene);
+        let fixed = model.scene.fixed();
+        let scope = OverlapScope { only: None, measured: MeasuredOverlaps::All, fixed: &fixed };
+        let overlaps = overlaps(&shapes, &set, scope, self.seen, self.stop);
         let all = overlaps.neighbours();
         self.seen.begin(Stage::Pairs, all.len());
         let pairs = pairs::examine_all(&shapes, all, sets, (self.seen, self.stop));
@@ -166,7 +176,7 @@ impl Work<'_> {
                 }
             }
         };
-        Ok(Some(Assessment { set, violations, thin, overlaps, pairs, steps }))
+        Ok(Some(Assessment { set, violations, thin, warnings, overlaps, pairs, steps }))
     }
 
     fn why_no_steps(&self, model: &CheckedModel, overlaps: &Overlaps) -> Option<String> {

@@ -1,7 +1,7 @@
 //! A model that could be read, with what the rules say of its tolerances.
 
 use crate::extents::Extents;
-use rockproof_model::tolerance_rules::{self, BEYOND_F64, Fall, Thin};
+use rockproof_model::tolerance_rules::{self, BEYOND_F64, Fall, Thin, Warning};
 use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Violation};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -28,6 +28,8 @@ pub struct CheckedModel {
     pub fall: Option<Fall>,
     /// A block that `penetration` is more than half as thick as.
     pub thin: Option<Thin>,
+    /// What violates no rule and yet lets blocks pass through one another.
+    pub warnings: Vec<Warning>,
     /// What may be meant otherwise than it is written: units, triangles of a mesh.
     pub notes: Vec<String>,
     /// What a planarity would merge of a mesh whose coordinates were rounded, where whoever read it knows.
@@ -100,8 +102,22 @@ impl CheckedModel {
                 rayon::join(fall, || (tolerance_rules::thin(&set, &scene.shapes()), Extents::of(&scene)))
             },
         );
+        let warnings = tolerance_rules::warnings(&set, &scene);
         let notes = extents.unit_warning().into_iter().collect();
-        Ok(CheckedModel { file, scene, spec, set, precision, extents, violations, fall, thin, notes, merging: None })
+        Ok(CheckedModel {
+            file,
+            scene,
+            spec,
+            set,
+            precision,
+            extents,
+            violations,
+            fall,
+            thin,
+            warnings,
+            notes,
+            merging: None,
+        })
     }
 
     /// Blocks, tolerances and notes for programs.
@@ -140,6 +156,7 @@ impl CheckedModel {
             "tolerances": tolerances_json(&self.set),
             "fall": fall,
             "thin": thin,
+            "warnings": self.warnings.iter().map(warning_json).collect::<Vec<_>>(),
             "notes": self.notes,
         })
     }
@@ -188,6 +205,19 @@ pub fn tolerances_json(set: &ToleranceSet) -> Value {
     let mut all: Map<String, Value> = numbers.collect();
     all.insert("criteria".to_owned(), set.criteria.name().into());
     all.into()
+}
+
+/// A warning for programs.
+pub(crate) fn warning_json(warning: &Warning) -> Value {
+    json!({
+        "about": warning.kind.name(),
+        "rule": warning.kind.formula(),
+        "found": warning.found,
+        "allowed": warning.allowed,
+        "block": warning.block,
+        "reason": warning.kind.reason(),
+        "remedy": warning.remedy,
+    })
 }
 
 /// A violated rule for programs.

@@ -1,7 +1,7 @@
 //! The examination as one JSON document (docs/formats.md).
 
 use crate::assess::{Assessment, Examination};
-use crate::checked::{tolerances_json, violation_json};
+use crate::checked::{tolerances_json, violation_json, warning_json};
 use crate::pairs::{ExaminedPair, PRECISIONS};
 use crate::recommend::Recommendation;
 use crate::results::PairFacts;
@@ -65,6 +65,7 @@ fn assessment(of: &Assessment, precision: Precision) -> Value {
         "safe_but_for_units": of.is_safe(precision),
         "tolerances": tolerances_json(&of.set),
         "rules_violated": of.violations.iter().map(violation_json).collect::<Vec<_>>(),
+        "warnings": of.warnings.iter().map(warning_json).collect::<Vec<_>>(),
         "overlaps": of.overlaps.json(),
         "pairs_examined": of.pairs.len(),
         "f32": f32,
@@ -85,6 +86,7 @@ fn steps(steps: &Steps) -> Value {
                 "made": made.made,
                 "asked": made.asked,
                 "held": made.held.sentence(),
+                "unconverged": made.unconverged,
                 "stopped": made.stopped,
                 "passages": pairs(&made.passages),
                 "unseen": pairs(&made.unseen),

@@ -3,8 +3,8 @@
 use num_traits::ToPrimitive;
 use rockproof_model::{Number, Scene};
 
-/// Blocks are between these sizes in metres (the cube root of their mean volume) unless the units are others.
-const SIZES: [f64; 2] = [1e-3, 200.0];
+/// Half of the blocks are between these sizes in metres (the cube root of the volume) unless the units are others.
+const SIZES: [f64; 2] = [1e-3, 100.0];
 
 /// The box of a scene and its shortest edge, in metres.
 #[derive(Clone, Debug)]
@@ -13,7 +13,7 @@ pub struct Extents {
     from: [f64; 3],
     shortest: f64,
     block: usize,
-    /// The cube root of the mean volume.
+    /// The cube root of the volume of the block in the middle when they are ordered by size, of two the smaller one: a base may be as long as the model.
     size: f64,
 }
 
@@ -22,7 +22,8 @@ impl Extents {
     pub fn of(scene: &Scene) -> Extents {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
-        let (mut shortest, mut block, mut volume) = (f64::INFINITY, 0, 0.0);
+        let (mut shortest, mut block) = (f64::INFINITY, 0);
+        let mut volumes = Vec::with_capacity(scene.blocks.len());
         for (number, shape) in scene.shapes().into_iter().enumerate() {
             let points: Vec<[f64; 3]> =
                 shape.vertices().iter().map(|v| v.components().map(Number::approximate)).collect();
@@ -39,9 +40,10 @@ impl Extents {
                     (shortest, block) = (length, number);
                 }
             }
-            volume += shape.volume().to_f64().unwrap_or(f64::NAN);
+            volumes.push(shape.volume().to_f64().unwrap_or(f64::NAN));
         }
-        let size = (volume / scene.blocks.len().max(1) as f64).cbrt();
+        volumes.sort_by(f64::total_cmp);
+        let size = volumes.get(volumes.len().saturating_sub(1) / 2).map_or(f64::NAN, |volume| volume.cbrt());
         Extents { sides: [0, 1, 2].map(|axis| high[axis] - low[axis]), from: low, shortest, block, size }
     }
 
@@ -75,8 +77,9 @@ impl Extents {
     pub fn unit_warning(&self) -> Option<String> {
         let (what, factor) = (if self.size > SIZES[1] { "millimetres" } else { "kilometres" }, self.factor()?);
         Some(format!(
-            "a mean block of {} m: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert --scale {factor} --precision f64` writes it so",
-            short(self.size)
+            "half of the blocks are {} m or {}: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert --scale {factor} --precision f64` writes it so",
+            short(self.size),
+            if self.size > SIZES[1] { "larger" } else { "smaller" }
         ))
     }
 

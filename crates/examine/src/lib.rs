@@ -32,7 +32,7 @@ pub use error::ExamineError;
 pub use extents::{Extents, short};
 pub use intrusion_recorder::{IntrusionCases, IntrusionRecorder};
 pub use naming::{Naming, file_name, reading, setting};
-pub use overlaps::{MeasuredOverlaps, Overlaps, overlaps};
+pub use overlaps::{MeasuredOverlaps, OverlapScope, Overlaps, overlaps};
 pub use pairs::{EngineDifferences, ExaminedPair};
 pub use progress::{Stage, StageProgress, WorkProgress};
 pub use recommend::{PreferredSet, Recommendation};

@@ -13,7 +13,7 @@ pub struct Naming {
     pub read: String,
     /// The options that say its tolerances ([`setting`]).
     pub tolerances: String,
-    /// Whether whoever reads the file says its unit, by a factor of lengths, so that none is in doubt.
+    /// Whether whoever reads the file says that its lengths are metres, by the factor 1, so that the unit is in no doubt. Another factor may be the wrong one.
     pub units_are_meant: bool,
     /// The directory of the results; without one no next command is told, since that may be about a file in it.
     pub dir: Option<PathBuf>,

@@ -24,11 +24,22 @@ pub enum MeasuredOverlaps {
     BeyondRounding,
 }
 
+/// Whose overlaps are looked for, and which are measured.
+#[derive(Clone, Copy, Debug)]
+pub struct OverlapScope<'s> {
+    /// Pairs of blocks; all neighbouring ones where none are given.
+    pub only: Option<&'s [(usize, usize)]>,
+    /// Which are measured.
+    pub measured: MeasuredOverlaps,
+    /// Whether each block is fixed; blocks beyond the end are not. Two fixed blocks never move, so among all pairs theirs are left out.
+    pub fixed: &'s [bool],
+}
+
 /// The overlaps of all neighbouring pairs, or of some. Where `stop` is set meanwhile, those of the pairs looked at until then.
 pub fn overlaps(
     blocks: &[&Block],
     tolerances: &ToleranceSet,
-    (only, measured): (Option<&[(usize, usize)]>, MeasuredOverlaps),
+    OverlapScope { only, measured, fixed }: OverlapScope<'_>,
     seen: &WorkProgress,
     stop: &AtomicBool,
 ) -> Overlaps {
@@ -40,7 +51,9 @@ pub fn overlaps(
     };
     let rounding = rounding_depth(blocks, Precision::F64);
     seen.begin(Stage::Overlaps, pairs.len());
-    let audited = pairs.par_iter().filter(|_| !stop.load(Ordering::Relaxed)).map(|&pair| {
+    // Of pairs that were asked for all is said.
+    let may_move = |pair: &&[usize; 2]| only.is_some() || !pair.iter().all(|&block| fixed.get(block) == Some(&true));
+    let audited = pairs.par_iter().filter(may_move).filter(|_| !stop.load(Ordering::Relaxed)).map(|&pair| {
         let audited = match measured {
             MeasuredOverlaps::All => auditor.pair(pair),
             MeasuredOverlaps::BeyondRounding => auditor.pair_beyond_rounding(pair, &rounding),
@@ -262,6 +275,10 @@ mod tests {
     use rockproof_model::Vec3;
     use rockproof_model::preset::{Preset, derive};
 
+    fn all_pairs(measured: MeasuredOverlaps) -> OverlapScope<'static> {
+        OverlapScope { only: None, measured, fixed: &[] }
+    }
+
     /// A cube of 1 m on a fixed slab, sunk by so many thousandths.
     fn sunk(x: i32, thousandths: i32) -> Block {
         let at = |z: i32| Number::from_rational(num_rational::BigRational::new(z.into(), 1000.into()));
@@ -283,7 +300,7 @@ mod tests {
         for blocks in [rounded.to_vec(), [rounded.to_vec(), vec![sunk(-3, 3)]].concat()] {
             let blocks: Vec<&Block> = blocks.iter().collect();
             let found = |measured| {
-                overlaps(&blocks, &set(&blocks), (None, measured), &WorkProgress::default(), &AtomicBool::new(false))
+                overlaps(&blocks, &set(&blocks), all_pairs(measured), &WorkProgress::default(), &AtomicBool::new(false))
             };
             let [all, few] = [MeasuredOverlaps::All, MeasuredOverlaps::BeyondRounding].map(found);
             let scene = Scene::default();
@@ -295,6 +312,21 @@ mod tests {
     }
 
     #[test]
+    fn two_fixed_blocks_overlap_as_they_are_meant_to() {
+        let blocks = [sunk(0, 0), sunk(0, 500), sunk(0, 900)];
+        let blocks: Vec<&Block> = blocks.iter().collect();
+        let set = derive(Preset::Auto, &blocks, Precision::F64).expect("a set");
+        let found = |only: Option<&[(usize, usize)]>, fixed: &[bool]| {
+            let scope = OverlapScope { only, measured: MeasuredOverlaps::All, fixed };
+            overlaps(&blocks, &set, scope, &WorkProgress::default(), &AtomicBool::new(false))
+        };
+        assert_eq!((found(None, &[]).lost(), found(None, &[true, false, false]).lost()), (3, 3));
+        let two = found(None, &[true, false, true]);
+        assert_eq!((two.lost(), two.neighbours().len()), (2, 3), "of the first with the last nothing is said");
+        assert_eq!(found(Some(&[(0, 2)]), &[true, false, true]).lost(), 1, "but where that is asked for");
+    }
+
+    #[test]
     fn the_worst_pair_named_is_of_the_first_count() {
         let whole = Number::from_integer;
         let corner = |x, y, z| Vec3::new(whole(x), whole(y), whole(z));
@@ -303,8 +335,13 @@ mod tests {
         let blocks: Vec<&Block> = blocks.iter().collect();
         let mut set = derive(Preset::Auto, &blocks, Precision::F64).expect("a set");
         set.penetration = Number::from_f64(0.0625).expect("a number");
-        let mut found =
-            overlaps(&blocks, &set, (None, MeasuredOverlaps::All), &WorkProgress::default(), &AtomicBool::new(false));
+        let mut found = overlaps(
+            &blocks,
+            &set,
+            all_pairs(MeasuredOverlaps::All),
+            &WorkProgress::default(),
+            &AtomicBool::new(false),
+        );
         let held = "3 pairs (worst 0–3, 0.0030 m) overlap and are held by contacts (3 seen, 0 shallow)";
         assert_eq!(found.sentence().as_deref(), Some(held));
         // The two shallower ones unseen: the deepest pair of all is not theirs.

@@ -95,7 +95,9 @@ impl<R: Real> AuditedRun<R> {
         let unseen = open.par_iter().filter_map(exactly).collect();
         let floor = rounding_depth_of_size(&largest, Precision::F64);
         let bounded = candidates.into_iter().map(|candidate| candidate.overlap).collect();
-        StepAudit { unseen, deepest: deepest_beyond(screen, &self.set, bounded, &floor), passages: None }
+        let deepest = deepest_beyond(screen, &self.set, bounded, &floor);
+        let is_deep = deepest.is_some_and(|deepest| deepest.depth_m > self.set.penetration.approximate());
+        StepAudit { unseen, deepest, is_deep, passages: None }
     }
 
     /// Which pairs passed through one another. Only pairs whose boxes over the whole step meet are asked about.

@@ -31,6 +31,8 @@ pub struct AuditedSteps {
     pub held: ClusterSupport,
     /// Why they ended early, if they did.
     pub stopped: Option<String>,
+    /// Steps that were taken though their iteration had not converged.
+    pub unconverged: u64,
     /// Whether contacts were closed in any step, or while blocks settled.
     pub touched: bool,
     /// What the audit found.
@@ -89,18 +91,26 @@ fn make_in<R: Solve>(
     steps: u64,
     (seen, stop): (&WorkProgress, &AtomicBool),
 ) -> Result<Option<AuditedSteps>, ExamineError> {
-    let dynamics = Dynamics::<R, SpecRules>::new(scene, set)?;
-    let mut run = AuditedRun::new(Box::new(dynamics), scene, set, (precision, AuditScope::OverlapsAndPassages))?;
     let mut found = AuditedSteps {
         made: 0,
         asked: steps,
         held,
         stopped: None,
+        unconverged: 0,
         touched: false,
         totals: AuditTotals::default(),
         passages: BTreeMap::new(),
         unseen: BTreeMap::new(),
     };
+    let dynamics = match Dynamics::<R, SpecRules>::new(scene, set) {
+        Ok(dynamics) => dynamics,
+        // A block that rounding makes degenerate: the model is wrong, not the command.
+        Err(error) => {
+            found.stopped = Some(error.to_string());
+            return Ok(Some(found));
+        }
+    };
+    let mut run = AuditedRun::new(Box::new(dynamics), scene, set, (precision, AuditScope::OverlapsAndPassages))?;
     while found.made < steps && found.stopped.is_none() {
         if stop.load(Ordering::SeqCst) {
             return Ok(None);
@@ -115,6 +125,7 @@ fn make_in<R: Solve>(
                     deepen(&mut found.passages, audit.passages.as_ref().map_or(&[], |passages| &passages.pairs));
                     deepen(&mut found.unseen, &audit.unseen);
                 }
+                found.unconverged += u64::from(report.step > 0 && !report.converged);
                 found.made = run.state().step;
                 seen.advance();
             }

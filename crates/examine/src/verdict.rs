@@ -9,11 +9,10 @@ use crate::recommend::Recommendation;
 use crate::steps::Steps;
 use rockproof_differential::external::spec::quoted;
 use rockproof_model::text::noun;
-use rockproof_model::tolerance_rules::{MeasuredModel, stiffness_slack};
+use rockproof_model::tolerance_rules::{MeasuredModel, Warning, stiffness_slack};
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_report::table::grouped;
 use rockproof_report::verdict::Severity;
-use rockproof_tune::ClusterSupport;
 use std::path::Path;
 
 /// The file of the set to use.
@@ -89,6 +88,7 @@ impl Verdict {
         ];
         lines.extend(fall(found));
         lines.extend(thin(found));
+        lines.extend(found.given.warnings.iter().map(warning));
         lines.push(recommended(found, precision, naming));
         let next = naming.dir.as_ref().map(|dir| next(found, cases, (naming, dir), (doubt.is_some(), answer)));
         Verdict { is_safe, answer, sentence, lines, next }
@@ -177,6 +177,7 @@ fn reasons(given: &Assessment, blocks: usize, precision: Precision, units: bool)
             thin.block
         ));
     }
+    said.extend(given.warnings.iter().map(|warning| warning.kind.title().to_owned()));
     if said.is_empty() && !given.tries_contacts() {
         said.push(apart(given, blocks));
     }
@@ -277,13 +278,18 @@ fn steps(given: &Assessment) -> Line {
         Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),
         Steps::Made(made) => made,
     };
-    let severity = match (given.steps.find_fault(), given.tries_contacts()) {
+    let severity = match (given.steps.find_fault(), given.tries_contacts() && made.unconverged == 0) {
         (true, _) => Severity::Bad,
         (false, true) => Severity::Good,
         (false, false) => Severity::Fair,
     };
     let ended = made.stopped.as_ref().map_or(String::new(), |why| format!(" of {}, then {why}", made.asked));
-    let text = format!("{} made{ended}, {}: {}", made.made, made.held.sentence(), made.totals.sentence());
+    let unconverged = match made.unconverged {
+        0 => String::new(),
+        count => format!(", {count} of them taken though the iteration had not converged"),
+    };
+    let (held, totals) = (made.held.sentence(), made.totals.sentence());
+    let text = format!("{} made{ended}{unconverged}, {held}: {totals}", made.made);
     line("steps", severity, text)
 }
 
@@ -305,6 +311,14 @@ fn thin(found: &Examination) -> Option<Line> {
         thin.block, thin.remedy
     );
     Some(line("thickness", Severity::Fair, text))
+}
+
+fn warning(warning: &Warning) -> Line {
+    let by = warning.block.map_or(String::new(), |block| format!(" (block {block})"));
+    let [found, allowed] = [warning.found, warning.allowed].map(short);
+    let (kind, remedy) = (warning.kind, &warning.remedy);
+    let text = format!("{}: found {found}, allowed {allowed}{by}: use {remedy}", kind.title());
+    line(kind.name(), Severity::Fair, text)
 }
 
 fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Line {
@@ -344,14 +358,14 @@ fn next(
     (units, answer): (bool, &str),
 ) -> String {
     let (file, given) = (naming.shown(), &naming.tolerances);
-    // Steps of a file that fixes nothing were made with its lowest blocks held; without that all of it falls.
-    let is_held = found
-        .given
-        .steps
-        .made()
-        .is_some_and(|made| !matches!(made.held, ClusterSupport::Given | ClusterSupport::Nothing));
+    // Steps of a file that fixes nothing are made with its lowest blocks held; without that all of it falls.
+    let blocks = &found.model.scene.blocks;
+    let is_held = blocks.len() > 1 && blocks.iter().all(|block| !block.body.is_fixed());
     let hold = if is_held { " --hold-lowest" } else { "" };
     if units {
+        if naming.read.contains("--scale") {
+            return naming.show_all();
+        }
         let factor = found.model.extents.factor().unwrap_or("1");
         let out = if naming.is_usual_dir { String::new() } else { format!(" --out {}", quoted_path(dir)) };
         return format!("rockproof examine {file}{given} --scale {factor}{out} --overwrite");
@@ -361,7 +375,7 @@ fn next(
     if let Some(worst) = lost {
         return naming.show(worst.blocks);
     }
-    if answer == NOT_DECIDED && found.given.thin.is_some() {
+    if answer == NOT_DECIDED && !found.given.may_see_all() {
         return format!("rockproof check {file}{given}");
     }
     if answer == "safe" || answer == NOT_DECIDED {

@@ -54,6 +54,7 @@ fn plainly<R: Solve>(
             (most, found.deepest) = (overlap.depth_squared(), Some(depth));
         }
     }
+    found.is_deep = most > set.penetration.times(&set.penetration).to_rational();
     found
 }
 

@@ -5,13 +5,16 @@
 mod extremes;
 mod fall;
 mod largest;
+mod load;
 mod stiffness;
 mod thin;
+mod warning;
 
 use extremes::Extremes;
 pub use fall::{Fall, fall};
 pub use stiffness::{check_scene, stiffness_slack};
 pub use thin::{Thin, thin};
+pub use warning::{Warning, WarningKind, warnings};
 
 use crate::block::Block;
 use crate::number::{Number, Precision};
@@ -237,14 +240,23 @@ impl RequiredValue {
     /// Six digits on the safe side of the bound.
     fn text(&self, name: &str) -> String {
         let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
-        let is_f64 = |value: &BigRational| Number::from_rational(value.clone()).as_f64().is_some();
         match self {
-            RequiredValue::OrMore(value) => format!("{name} ≥ {}", six_digits(near(value), true, is_f64(value))),
+            RequiredValue::OrMore(value) => {
+                format!("{name} ≥ {}", six_digits(near(value), true, has_six_digits(value)))
+            }
             RequiredValue::RootOrMore(value) => format!("{name} ≥ {}", six_digits(near(value).sqrt(), true, false)),
-            RequiredValue::OrLess(value) => format!("{name} ≤ {}", six_digits(near(value), false, is_f64(value))),
+            RequiredValue::OrLess(value) => {
+                format!("{name} ≤ {}", six_digits(near(value), false, has_six_digits(value)))
+            }
             RequiredValue::RootOrLess(value) => format!("{name} ≤ {}", six_digits(near(value).sqrt(), false, false)),
         }
     }
+}
+
+/// Whether a bound is what its six digits say, read as the decimals that they are.
+fn has_six_digits(value: &BigRational) -> bool {
+    let text = format!("{:.5e}", Number::from_rational(value.clone()).approximate());
+    Number::parse(&text).is_ok_and(|decimals| decimals.to_rational() == *value)
 }
 
 /// What is said in place of a number that f64 does not hold.

@@ -11,7 +11,7 @@ use num_rational::BigRational;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rockproof_model::text::noun;
-use rockproof_model::{Block, Precision, ToleranceSet, Violation as BrokenRule, tolerance_rules};
+use rockproof_model::{Precision, Scene, ToleranceSet, Violation as BrokenRule, tolerance_rules};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::audit::{Audit, Auditor, Overlap as FoundOverlap, OverlapSeverity, rounding_depth};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -201,7 +201,7 @@ pub(crate) fn check(
         }
         let violations: Vec<Violation> =
             tolerance_rules::check_scene(&set, &model.scene, precision).iter().map(Violation::from).collect();
-        let (overlaps, neighbours) = overlaps(&shapes, &set, stop);
+        let (overlaps, neighbours) = overlaps(&model.scene, &set, stop);
         let is_sound =
             violations.is_empty() && overlaps.iter().all(|overlap| overlap.meaning != OverlapSeverity::Lost.name());
         let fall = tolerance_rules::fall(&set, &model.scene).map(|fall| {
@@ -213,15 +213,19 @@ pub(crate) fn check(
 }
 
 /// The overlaps of all neighbouring pairs, and how many pairs these are.
-fn overlaps(blocks: &[&Block], set: &ToleranceSet, stop: &AtomicBool) -> (Vec<Overlap>, u64) {
+fn overlaps(scene: &Scene, set: &ToleranceSet, stop: &AtomicBool) -> (Vec<Overlap>, u64) {
+    let (blocks, fixed) = (scene.shapes(), scene.fixed());
     let prepared: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
     let auditor = Auditor::new(&prepared, set);
-    let audited = auditor.neighbours().into_par_iter();
+    let neighbours = auditor.neighbours();
+    let count = neighbours.len() as u64;
+    // Two fixed blocks never move, so they overlap as they are meant to.
+    let audited = neighbours.into_par_iter().filter(|&[i, j]| !(fixed[i] && fixed[j]));
     let audited: Option<Vec<_>> =
         audited.map(|pair| (!stop.load(Ordering::Relaxed)).then(|| auditor.pair(pair))).collect();
     // Where it was stopped the signal is raised instead.
     let audit = Audit::of(audited.unwrap_or_default());
-    let rounding = rounding_depth(blocks, Precision::F64);
+    let rounding = rounding_depth(&blocks, Precision::F64);
     let told = |found: &FoundOverlap| Overlap::new(found, found.severity(&rounding));
-    (audit.overlaps.iter().map(told).collect(), audit.counts.neighbours())
+    (audit.overlaps.iter().map(told).collect(), count)
 }

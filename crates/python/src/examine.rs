@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rockproof_differential::external::spec::quoted;
 use rockproof_examine as lib;
+use rockproof_model::Number;
 use rockproof_model::scene::write_toml;
 use rockproof_report::table::{Table, TableCell};
 use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Start};
@@ -144,7 +145,7 @@ fn naming(model: &Model, tolerances: &str, dir: Option<&Path>) -> lib::Naming {
         file: quoted(&file.display().to_string()),
         read: lib::reading(&model.options),
         tolerances: tolerances.to_owned(),
-        units_are_meant: model.options.scale.is_some(),
+        units_are_meant: model.options.scale == Some(Number::from_integer(1)),
         dir: dir.map(Path::to_path_buf),
         is_usual_dir: false,
     }

@@ -43,7 +43,7 @@ pub(super) fn lockstep_lines(runs: &[LockstepRun]) -> Vec<VerdictLine> {
 }
 
 /// What audits found of passages and unseen overlaps: bad where a run has one, good where all were audited, passages were looked for, there are
-/// none, nothing stayed undecided, and every run came to its end. `None` without a run.
+/// none, no overlap was deeper than `penetration`, nothing stayed undecided, and every run came to its end. `None` without a run.
 pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
     let objecting: Vec<&MotionRun> =
         runs.iter().filter(|run| run.audit().is_some_and(AuditTotals::finds_fault)).collect();
@@ -59,7 +59,7 @@ pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
         return Some(VerdictLine { severity: Severity::Bad, text: format!("{}{more}.", of(first)) });
     }
     let audits: Vec<&AuditTotals> = runs.iter().filter_map(MotionRun::audit).collect();
-    let is_proved = |audit: &&AuditTotals| audit.steps > 0 && audit.undecided == Some(0);
+    let is_proved = |audit: &&AuditTotals| audit.steps > 0 && audit.undecided == Some(0) && audit.steps_deep == 0;
     let is_whole = audits.len() == runs.len() && runs.iter().all(|run| run.cut_short().is_none());
     let severity = if is_whole && audits.iter().all(is_proved) { Severity::Good } else { Severity::Fair };
     let text = match (runs, audits.len()) {

@@ -44,6 +44,8 @@ pub struct StepAudit {
     pub unseen: Vec<PairDepth>,
     /// The deepest overlap of all, of equal ones the first; none where all are within the rounding of f64.
     pub deepest: Option<PairDepth>,
+    /// Whether that is deeper than `penetration`: only contacts that were closed before are still seen there.
+    pub is_deep: bool,
     /// The passages within the step; `None` where these were not looked for.
     pub passages: Option<StepPassages>,
 }
@@ -69,6 +71,12 @@ impl StepAudit {
     }
 }
 
+/// Whether a count need not be written.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
+fn is_none(count: &u64) -> bool {
+    *count == 0
+}
+
 /// The deepest pair, of equal ones the first.
 fn deepest_of(pairs: &[PairDepth]) -> Option<PairDepth> {
     pairs.iter().rev().copied().max_by(|one, two| one.depth_m.total_cmp(&two.depth_m))
@@ -88,6 +96,9 @@ pub struct AuditTotals {
     pub worst_unseen: Option<PairExtreme>,
     /// The deepest overlap after a step.
     pub deepest: Option<PairExtreme>,
+    /// Steps after which some overlap was deeper than `penetration`.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub steps_deep: u64,
     /// Passages, over all steps; none where they were not looked for.
     pub passages: Option<u64>,
     /// The passage with the greatest depth that was shown.
@@ -113,6 +124,7 @@ impl AuditTotals {
     pub fn add(&mut self, step: i64, audit: &StepAudit) {
         self.steps += 1;
         self.steps_unseen += u64::from(!audit.unseen.is_empty());
+        self.steps_deep += u64::from(audit.is_deep);
         self.most_unseen = self.most_unseen.max(audit.unseen.len() as u64);
         let passages = audit.passages.as_ref();
         if let Some(found) = passages {
@@ -168,7 +180,15 @@ impl AuditTotals {
             let none = if self.passages.is_some() { " and no passage" } else { "" };
             parts.push(format!("no unseen overlap{none} in {} {}", self.steps, noun(self.steps, "step", "steps")));
         }
+        if self.steps_deep > 0 && !self.finds_fault() {
+            let (deep, all) = (self.steps_deep, self.steps);
+            parts.push(format!(
+                "deeper than penetration after {deep} of {all} {}, held only by contacts that were closed before",
+                noun(all, "step", "steps")
+            ));
+        }
         match self.undecided {
+            None if self.steps == 0 => {}
             None => parts.push("passages not looked for (--audit does)".to_owned()),
             Some(0) => {}
             Some(undecided) => parts.push(format!("{undecided} {} undecided", noun(undecided, "passage", "passages"))),
@@ -218,7 +238,11 @@ mod tests {
         let held = StepAudit { deepest: Some(pair(0, 1, 0.5)), passages: passing(vec![], 0), ..StepAudit::default() };
         totals.add(1, &held);
         totals.add(2, &held);
-        assert!(!totals.finds_fault());
+        assert!(!totals.finds_fault() && !totals.sentence().contains("deeper than"));
+        let mut deep = totals.clone();
+        deep.add(3, &StepAudit { is_deep: true, ..held.clone() });
+        let expected = "no unseen overlap and no passage in 4 steps; deeper than penetration after 1 of 4 steps, held only by contacts that were closed before";
+        assert_eq!((deep.verdict().as_str(), deep.finds_fault()), (expected, false));
         assert!(totals.sentence().ends_with("; deepest overlap (worst 0–1, 0.5000 m, step 1)"));
         assert_eq!(totals.deepest_in_words(), "0.5000 m at most, of blocks 0 and 1 in step 1");
         totals.add(3, &StepAudit { unseen: vec![pair(2, 3, 1e-5), pair(4, 5, 1e-6)], ..held.clone() });

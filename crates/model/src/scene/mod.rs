@@ -213,6 +213,11 @@ impl Scene {
     pub fn shapes(&self) -> Vec<&Block> {
         self.blocks.iter().map(|b| &b.block).collect()
     }
+
+    /// Whether each block is fixed, in order.
+    pub fn fixed(&self) -> Vec<bool> {
+        self.blocks.iter().map(|b| b.body.is_fixed()).collect()
+    }
 }
 
 impl SceneBlock {

@@ -1,0 +1,220 @@
+//! Whether a block sinks deeper than `penetration` under the blocks above it: an estimate. The rule of SPEC section 3 counts a block's own weight.
+
+use super::six_digits;
+use super::stiffness::{blocks_by_joint, nearby_softest};
+use super::warning::{Warning, WarningKind};
+use crate::block::Block;
+use crate::number::Number;
+use crate::scene::Scene;
+use crate::simulation::{derive_stiffness_of, moving_blocks, smallest_face};
+use crate::tolerance::ToleranceSet;
+
+/// A block as others rest on it: its box along two directions across gravity and against gravity, its weight and what it rests on.
+struct Column {
+    low: [f64; 3],
+    high: [f64; 3],
+    /// In N; `None` of a fixed block, which bears what is above it.
+    weight: Option<f64>,
+    /// The softest normal stiffness it can meet times the corners of its smallest face (N/m).
+    resistance: f64,
+}
+
+impl Column {
+    fn middle(&self) -> f64 {
+        f64::midpoint(self.low[2], self.high[2])
+    }
+
+    /// The area in which the plans of two boxes overlap (m²).
+    fn shared(&self, other: &Column) -> f64 {
+        let side = |axis: usize| (self.high[axis].min(other.high[axis]) - self.low[axis].max(other.low[axis])).max(0.0);
+        side(0) * side(1)
+    }
+}
+
+/// The block that would sink deepest under its own weight and that of the blocks above it, if that is deeper than `penetration`; `None` as well
+/// without gravity, and where `penetration` is 0, which the rules refuse.
+///
+/// Of each block above, that share counts which its plan (the box of its vertices across gravity) has over this block's plan; what is above a fixed
+/// block in between does not count. The block rests on as many contacts as its smallest face has corners, each of the softest normal stiffness that
+/// it can meet. Blocks lean on one another and arches carry what is above them, so this is an estimate, in f64.
+pub(super) fn load(set: &ToleranceSet, scene: &Scene) -> Option<Warning> {
+    let allowed = set.penetration.approximate();
+    let columns = columns(set, scene).filter(|_| allowed > 0.0)?;
+    let total: f64 = columns.iter().filter_map(|one| one.weight).sum();
+    let moving = || columns.iter().enumerate().filter(|(_, one)| one.weight.is_some() && one.resistance > 0.0);
+    // Most scenes could bear all of it anywhere.
+    let softest = moving().map(|(_, one)| one.resistance).fold(f64::INFINITY, f64::min);
+    if total.is_nan() || total <= allowed * softest {
+        return None;
+    }
+    let order = by_first_side(&columns);
+    let depths = moving().map(|(block, one)| (block, carried(&columns, &order, one) / one.resistance));
+    let (block, depth) = depths.reduce(|deepest, next| if next.1 > deepest.1 { next } else { deepest })?;
+    if depth <= allowed || !depth.is_finite() {
+        return None;
+    }
+    let corners = smallest_face(&scene.blocks[block].block) as f64;
+    let needed = depth * columns[block].resistance / (allowed * corners);
+    let remedy = format!(
+        "normal_stiffness ≥ {} or penetration ≥ {}",
+        six_digits(needed, true, false),
+        six_digits(depth, true, false)
+    );
+    Some(Warning { kind: WarningKind::Load, block: Some(block), found: depth, allowed, remedy })
+}
+
+/// All blocks; `None` without gravity.
+fn columns(set: &ToleranceSet, scene: &Scene) -> Option<Vec<Column>> {
+    let mut simulation = scene.simulation.clone();
+    let bodies: Vec<_> = scene.blocks.iter().map(|b| (&b.block, &b.body)).collect();
+    let moving = moving_blocks(&bodies);
+    derive_stiffness_of(&mut simulation, &moving, set);
+    let gravity = simulation.gravity.components().map(Number::approximate);
+    let pull = dot(gravity, gravity).sqrt();
+    if pull == 0.0 || !pull.is_finite() {
+        return None;
+    }
+    let axes = across_and_against(gravity.map(|g| g / pull));
+    let joints = blocks_by_joint(&simulation, &scene.blocks);
+    let softest = nearby_softest(&simulation, &joints);
+    let mut weights = vec![None; scene.blocks.len()];
+    for one in &moving {
+        weights[one.number] = Some(simulation.materials[one.body.material].density.approximate() * one.volume * pull);
+    }
+    let column = |(weight, &(block, body)): (Option<f64>, &(&Block, _))| {
+        let body: &crate::simulation::Body = body;
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for vertex in block.vertices() {
+            let at = vertex.components().map(Number::approximate);
+            for (axis, direction) in axes.into_iter().enumerate() {
+                let along = dot(at, direction);
+                low[axis] = low[axis].min(along);
+                high[axis] = high[axis].max(along);
+            }
+        }
+        Column { low, high, weight, resistance: softest(body.joint) * smallest_face(block) as f64 }
+    };
+    Some(weights.into_iter().zip(&bodies).map(column).collect())
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Two directions across a unit vector, and the one against it.
+fn across_and_against(down: [f64; 3]) -> [[f64; 3]; 3] {
+    let [x, y, z] = down;
+    // The axis that it lies along least.
+    let least = (0..3).min_by(|&i, &j| down[i].abs().total_cmp(&down[j].abs())).unwrap_or(0);
+    let mut first = down.map(|d| -d * down[least]);
+    first[least] += 1.0;
+    let length = dot(first, first).sqrt();
+    let [a, b, c] = first.map(|f| f / length);
+    [[a, b, c], [y * c - z * b, z * a - x * c, x * b - y * a], [-x, -y, -z]]
+}
+
+/// The blocks in ascending order of the lower end of their first side.
+fn by_first_side(columns: &[Column]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..columns.len()).collect();
+    order.sort_by(|&i, &j| columns[i].low[0].total_cmp(&columns[j].low[0]));
+    order
+}
+
+/// The weight of a block and of what stands above it (N).
+fn carried(columns: &[Column], order: &[usize], one: &Column) -> f64 {
+    let reach = order.partition_point(|&k| columns[k].low[0] < one.high[0]);
+    let above = |other: &&Column| other.middle() > one.middle() && other.shared(one) > 0.0;
+    let over: Vec<&Column> = order[..reach].iter().map(|&k| &columns[k]).filter(above).collect();
+    let fixed: Vec<&Column> = over.iter().copied().filter(|other| other.weight.is_none()).collect();
+    let is_borne = |other: &Column| fixed.iter().any(|f| f.middle() < other.middle() && f.shared(other) > 0.0);
+    let loads = over
+        .iter()
+        .filter(|other| !is_borne(other))
+        .filter_map(|other| Some(other.weight? * other.shared(one) / other.shared(other)));
+    one.weight.unwrap_or(0.0) + loads.sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{SceneBlock, Vec3};
+
+    /// Cubes of 1 m³ and 2,500 kg on a fixed slab, at these corners; gravity 10 m/s² along an axis.
+    fn stacked(corners: &[[i32; 3]], down: usize) -> Scene {
+        let turned = |c: [i32; 3]| {
+            // The third coordinate is the height.
+            let mut at = [c[0], c[1], c[2]];
+            at.rotate_right((down + 1) % 3);
+            Vec3::new(at[0], at[1], at[2]).map(|&c| Number::from_integer(c))
+        };
+        let cuboid = |low, high| Block::cuboid(&turned(low), &turned(high)).unwrap();
+        let mut scene = Scene::on_fixed("slab", cuboid([-9, -9, -1], [9, 9, 0]));
+        for &[x, y, z] in corners {
+            scene.blocks.push(SceneBlock::new("cube", cuboid([x, y, z], [x + 1, y + 1, z + 1])));
+        }
+        scene.simulation.gravity = turned([0, 0, -10]);
+        scene.simulation.materials[0].density = Number::from_integer(2500);
+        scene
+            .simulation
+            .joints
+            .all_mut()
+            .for_each(|joint| joint.normal_stiffness = Some(Number::from_integer(125_000)));
+        scene
+    }
+
+    fn set() -> ToleranceSet {
+        ToleranceSet { penetration: Number::parse("1/8").unwrap(), ..ToleranceSet::ZERO }
+    }
+
+    #[test]
+    fn the_lowest_of_a_tower_bears_all_of_it_whichever_way_is_down() {
+        // 25 kN a cube over four contacts of 125 kN/m: 5 cm for each cube.
+        for down in 0..3 {
+            let tower: Vec<_> = (0..5).map(|z| [0, 0, z]).collect();
+            let found = load(&set(), &stacked(&tower, down)).unwrap();
+            assert_eq!((found.block, found.allowed), (Some(1), 0.125));
+            assert!((found.found - 0.25).abs() < 1e-12, "{found:?}");
+            assert_eq!(found.remedy, "normal_stiffness ≥ 250001 or penetration ≥ 0.250001");
+            assert_eq!(load(&set(), &stacked(&tower[..2], down)), None, "two cubes sink 10 cm");
+        }
+    }
+
+    #[test]
+    fn what_stands_beside_does_not_count_and_what_overhangs_counts_in_part() {
+        let beside: Vec<_> = (0..8).map(|x| [x, 0, 0]).collect();
+        assert_eq!(load(&set(), &stacked(&beside, 2)), None);
+        let mut scene = stacked(&[[0, 0, 0], [2, 0, 0]], 2);
+        let beam = |low: [i32; 3], high: [i32; 3]| {
+            let at = |c: [i32; 3]| Vec3::new(c[0], c[1], c[2]).map(|&c| Number::from_integer(c));
+            SceneBlock::new("beam", Block::cuboid(&at(low), &at(high)).unwrap())
+        };
+        // 3 m long, 75 kN on its own four contacts: 15 cm. A third of it is over each cube, which sinks 10 cm.
+        scene.blocks.push(beam([0, 0, 1], [3, 1, 2]));
+        let set = ToleranceSet { penetration: Number::parse("1/5").unwrap(), ..set() };
+        assert_eq!(load(&set, &scene), None);
+        scene.blocks.push(beam([0, 0, 2], [3, 1, 3]));
+        let found = load(&set, &scene).unwrap();
+        // The lower beam has all of the upper one on its four contacts: 150 kN.
+        assert_eq!(found.block, Some(3));
+        assert!((found.found - 0.3).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_above_a_fixed_block_does_not_count() {
+        let tower: Vec<_> = (0..5).map(|z| [0, 0, z]).collect();
+        let mut scene = stacked(&tower, 2);
+        scene.blocks[2].body.motion = crate::Motion::Fixed;
+        let found = load(&set(), &scene).unwrap();
+        assert_eq!(found.block, Some(3), "three cubes on the fixed one, one below it");
+        assert!((found.found - 0.15).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn without_gravity_or_penetration_nothing_is_said() {
+        let tower: Vec<_> = (0..5).map(|z| [0, 0, z]).collect();
+        let mut scene = stacked(&tower, 2);
+        assert_eq!(load(&ToleranceSet::ZERO, &scene), None);
+        scene.simulation.gravity = Vec3::new(0, 0, 0).map(|&c: &i32| Number::from_integer(c));
+        assert_eq!(load(&set(), &scene), None);
+    }
+}

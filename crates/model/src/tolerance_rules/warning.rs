@@ -1,0 +1,139 @@
+//! Warnings beside the rules of SPEC section 3: tolerances of modes that keep contacts from closing or opening, and loads that contacts cannot bear.
+
+use super::RequiredValue;
+use super::load::load;
+use crate::number::Number;
+use crate::scene::Scene;
+use crate::tolerance::ToleranceSet;
+use std::cmp::Ordering;
+
+/// What a warning is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WarningKind {
+    /// `close` is more than `penetration`.
+    Close,
+    /// `open` is more than `search`.
+    Open,
+    /// `equal` is 1 or more.
+    Equal,
+    /// A block at rest under those above it would sink deeper than `penetration`.
+    Load,
+}
+
+impl WarningKind {
+    /// The name in files and lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            WarningKind::Close => "close",
+            WarningKind::Open => "open",
+            WarningKind::Equal => "equal",
+            WarningKind::Load => "load",
+        }
+    }
+
+    /// What goes wrong.
+    pub fn title(self) -> &'static str {
+        match self {
+            WarningKind::Close => "open contacts may never close",
+            WarningKind::Open => "closed contacts may be lost before they open",
+            WarningKind::Equal => "contacts may keep their mode however far blocks move",
+            WarningKind::Load => "a block may sink deeper than penetration under those above it",
+        }
+    }
+
+    /// What would be right.
+    pub fn formula(self) -> &'static str {
+        match self {
+            WarningKind::Close => "close ≤ penetration",
+            WarningKind::Open => "open ≤ search",
+            WarningKind::Equal => "equal < 1",
+            WarningKind::Load => {
+                "(weight of a block and of those above it)/(normal_stiffness·corners of its smallest face) ≤ penetration"
+            }
+        }
+    }
+
+    /// Why.
+    pub fn reason(self) -> &'static str {
+        match self {
+            WarningKind::Close => {
+                "an overlap deeper than penetration is no longer seen as a contact, and none is closed before it is deeper than close"
+            }
+            WarningKind::Open => {
+                "a gap wider than search is no longer seen as a contact, and none is opened before it is wider than open"
+            }
+            WarningKind::Equal => "a contact's mode stays where its gap is no larger than equal times the gap before",
+            WarningKind::Load => {
+                "a block on its smallest face bears what stands above it, here each block above by the share of its plan that is over this one"
+            }
+        }
+    }
+}
+
+/// Something that violates no rule of SPEC section 3 and yet lets blocks pass through one another. Numbers are within some ulps of the exact ones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// What it is about.
+    pub kind: WarningKind,
+    /// The block it is about, if it is one.
+    pub block: Option<usize>,
+    /// The left side of its formula.
+    pub found: f64,
+    /// The right side.
+    pub allowed: f64,
+    /// What would mend it.
+    pub remedy: String,
+}
+
+/// The warnings of a set for a scene, in the order of [`WarningKind`]. Those of modes are compared exactly, **equal to a limit is within
+/// it, but for `equal`, whose limit is not allowed**; loads are estimated ([`load`]).
+pub fn warnings(set: &ToleranceSet, scene: &Scene) -> Vec<Warning> {
+    let no_more = |kind: WarningKind, value: &Number, limit: &Number| {
+        (value > limit).then(|| Warning {
+            kind,
+            block: None,
+            found: value.approximate(),
+            allowed: limit.approximate(),
+            remedy: RequiredValue::OrLess(limit.to_rational()).text(kind.name()),
+        })
+    };
+    let one = Number::from_integer(1);
+    let equal = (set.equal.cmp(&one) != Ordering::Less).then(|| Warning {
+        kind: WarningKind::Equal,
+        block: None,
+        found: set.equal.approximate(),
+        allowed: 1.0,
+        remedy: WarningKind::Equal.formula().to_owned(),
+    });
+    let modes = [
+        no_more(WarningKind::Close, &set.close, &set.penetration),
+        no_more(WarningKind::Open, &set.open, &set.search),
+        equal,
+    ];
+    modes.into_iter().flatten().chain(load(set, scene)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_are_warned_of_beyond_their_limits() {
+        let n = |text: &str| Number::parse(text).unwrap();
+        let set = |name: &str, value: &str| {
+            let mut set = ToleranceSet { search: n("1/8"), penetration: n("1/16"), ..ToleranceSet::ZERO };
+            let (_, number) = set.numbers_mut().into_iter().find(|(field, _)| *field == name).unwrap();
+            *number = n(value);
+            set
+        };
+        let kinds = |name, value| {
+            let found = warnings(&set(name, value), &Scene::default());
+            found.into_iter().map(|warning| warning.kind).collect::<Vec<_>>()
+        };
+        // At a limit a contact still closes, or opens; equal to 1 no mode ever changes back.
+        assert_eq!((kinds("close", "1/16"), kinds("open", "1/8")), (vec![], vec![]));
+        assert_eq!(kinds("close", "0.0625000000000000001"), [WarningKind::Close]);
+        assert_eq!(kinds("open", "0.1250000000000000001"), [WarningKind::Open]);
+        assert_eq!((kinds("equal", "0.9999999999999999999"), kinds("equal", "1")), (vec![], vec![WarningKind::Equal]));
+    }
+}
