@@ -12,6 +12,7 @@ use rockproof_bench::{
     BenchEntry, SKIPS, Sample, SampleKind, SteppingCost, Throughput, ThroughputRun, TimedPart, Timing, TimingPlan,
     bench_entries, exact_stepping, rock, skip_cost, skip_scenes, stack, stepping, throughput, time_interleaved, wall,
 };
+use rockproof_model::simulation::Solver;
 use rockproof_model::{BlockError, Motion, Precision, Scene};
 use rockproof_report::latex::latex;
 use rockproof_report::table::{Table, TableCell};
@@ -84,6 +85,9 @@ pub(crate) struct Bench {
     /// Steps of walls, stacks and rock in single precision
     #[arg(long)]
     single: bool,
+    /// How steps of walls, stacks and rock solve their systems: auto, factor, conjugate-gradients
+    #[arg(long, default_value = "auto", value_name = "SOLVER", value_parser = crate::simulate::solver)]
+    solver: Solver,
     /// Measure certified steps instead: of two blocks, and of walls of 10 and 100 bricks
     #[arg(long, conflicts_with_all = ["wall", "stack", "rock"])]
     exact_steps: bool,
@@ -206,6 +210,7 @@ impl Bench {
                 let mut scene = scene(blocks)?;
                 let moving = scene.blocks.iter_mut().filter(|block| self.rigid && !block.body.is_fixed());
                 moving.for_each(|block| block.body.motion = Motion::Rigid);
+                scene.simulation.control.solver = self.solver;
                 Ok(scene)
             };
             let cost = match self.single {

@@ -20,7 +20,7 @@ use rockproof_differential::lockstep::{
 };
 use rockproof_examine::{AuditedRun, IntrusionRecorder, violation_json, violations_text};
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::simulation::{Control, Skips, step_in_words};
+use rockproof_model::simulation::{Control, Skips, Solver, step_in_words};
 use rockproof_model::{Precision, Scene, ToleranceSet, tolerance_rules};
 use rockproof_oracle::step::KeptPrecision;
 use rockproof_report::table::counted;
@@ -105,6 +105,11 @@ pub(crate) struct Simulate {
     /// scene says, else all]; no byte of any file depends on it
     #[arg(long, value_name = "NAMES", value_parser = skips)]
     skips: Option<Skips>,
+
+    /// How systems of more than 96 unknowns are solved in f64: `auto`, `factor`, or `conjugate-gradients`, which takes far less memory and often
+    /// more time [default: what the scene says, else auto]; last bits depend on it
+    #[arg(long, value_name = "SOLVER", value_parser = solver)]
+    solver: Option<Solver>,
 
     /// Fix the lowest blocks of a model that fixes none, as `examine` does; without it such a model falls as a whole
     #[arg(long)]
@@ -194,6 +199,11 @@ fn skips(text: &str) -> Result<Skips, String> {
     }
 }
 
+/// A solver by its name.
+pub(crate) fn solver(text: &str) -> Result<Solver, String> {
+    Solver::from_name(text).ok_or_else(|| format!("must be one of {}", Solver::ALL.map(Solver::name).join(", ")))
+}
+
 /// What a run begins with.
 struct PreparedRun {
     scene: Scene,
@@ -214,6 +224,9 @@ impl Simulate {
         let plan = self.plan(&scene.simulation.control)?;
         if let Some(skips) = self.skips {
             scene.simulation.control.skips = skips;
+        }
+        if let Some(solver) = self.solver {
+            scene.simulation.control.solver = solver;
         }
         self.hold(&mut scene);
         scene.derive_stiffness(&set);

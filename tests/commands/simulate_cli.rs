@@ -212,6 +212,7 @@ fn mistakes_exit_with_2_and_say_where() {
         (vec!["fall.toml", "--steps", "-3"], "-3"),
         (vec!["fall.toml", "--every", "0"], "--every"),
         (vec!["fall.toml", "--skips", "pairs,contacts"], "contacts\" is none of blocks, pairs, islands, features, all"),
+        (vec!["fall.toml", "--solver", "cholesky"], "must be one of auto, factor, conjugate-gradients"),
         (vec!["fall.toml", "--engine", "f16"], "stepper-f64, stepper-f32"),
         (vec!["fall.toml", "--tolerances", "loose"], "auto, shi, zero"),
         (vec!["fall.toml", "--set", "serch=1"], "serch"),

@@ -4,7 +4,8 @@ use num_rational::BigRational;
 use proptest::prelude::*;
 use rockproof_model::scene::{SceneFormat, write_toml};
 use rockproof_model::simulation::{
-    Control, FixedPoint, JointPair, JointProperties, Kinematics, Material, MeasuredPoint, PointLoad, Skips, Unconverged,
+    Control, FixedPoint, JointPair, JointProperties, Kinematics, Material, MeasuredPoint, PointLoad, Skips, Solver,
+    Unconverged,
 };
 use rockproof_model::{
     Block, Body, Motion, Number, Precision, Rule, Scene, SceneBlock, Simulation, Vec3, tolerance_rules,
@@ -62,7 +63,7 @@ fn the_weight_rule_ties_exactly_and_names_the_remedy() {
 #[test]
 fn broken_scenes_name_line_key_and_range() {
     let tail = |text: &str| format!("{BOX}{text}");
-    let cases: [(&str, &[&str]); 44] = [
+    let cases: [(&str, &[&str]); 46] = [
         ("[simulation]\ngravity = [0, 0]", &["a.toml:5:", "`gravity`, an array of 3"]),
         ("[simulation]\ntime_step = 0", &["a.toml:5:", "`time_step` of [simulation] is 0", "more than 0"]),
         ("[simulation]\ntime_step = \"x\"", &["a.toml:5:", "`time_step`", "not a number"]),
@@ -78,6 +79,11 @@ fn broken_scenes_name_line_key_and_range() {
         ("[simulation]\nunconverged = 1", &["a.toml:5:", "`unconverged`"]),
         ("[simulation]\nskips = [\"blocks\", \"contacts\"]", &["a.toml:5:", "`skips`", "\"contacts\"", "\"islands\""]),
         ("[simulation]\nskips = \"all\"", &["a.toml:5:", "`skips` of [simulation]"]),
+        (
+            "[simulation]\nsolver = \"cholesky\"",
+            &["a.toml:5:", "`solver` of [simulation]", "\"cholesky\"", "\"auto\", \"factor\", \"conjugate-gradients\""],
+        ),
+        ("[simulation]\nsolver = 1", &["a.toml:5:", "`solver` of [simulation]"]),
         ("[simulation]\nsetle = 1", &["a.toml:5:", "unknown key `setle`", "settle"]),
         ("[simulation]\njoint_materials = []", &["a.toml:5:", "one name or more"]),
         ("[simulation]\njoint_materials = [\"a\", \"a\"]", &["a.toml:5:", "not taken"]),
@@ -174,6 +180,7 @@ fn simulation() -> impl Strategy<Value = Simulation> {
                     steps: run.as_ref().and_then(|run| run.as_ref().err().copied()),
                     duration: run.and_then(Result::ok),
                     skips: Skips { pairs: skips, islands: accept, blocks: linear, features: !skips },
+                    solver: Solver::ALL[settle as usize % Solver::ALL.len()],
                 };
                 let second = Material { name: "a \"second\" é".to_string(), density, young, poisson: number("-1/3") };
                 simulation.materials.push(second);

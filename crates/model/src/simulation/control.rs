@@ -24,6 +24,8 @@ pub struct Control {
     pub duration: Option<Number>,
     /// What the stepper leaves out of a step where nothing can have changed.
     pub skips: Skips,
+    /// How the stepper solves large systems in f64.
+    pub solver: Solver,
 }
 
 impl Control {
@@ -37,7 +39,8 @@ impl Control {
 }
 
 impl Default for Control {
-    /// 10 ms, dynamic, not damped, not settled, `cayley`, stopping where the iteration fails; as long as the command line says, leaving out what it can.
+    /// 10 ms, dynamic, not damped, not settled, `cayley`, stopping where the iteration fails; as long as the command line says, leaving out what it can, by
+    /// the faster solver.
     fn default() -> Control {
         Control {
             time_step: ratio(1, 100),
@@ -49,6 +52,7 @@ impl Default for Control {
             steps: None,
             duration: None,
             skips: Skips::ALL,
+            solver: Solver::Auto,
         }
     }
 }
@@ -72,6 +76,20 @@ crate::named_enum! {
         Stop = "stop",
         /// The step is accepted and marked.
         Accept = "accept",
+    }
+}
+
+crate::named_enum! {
+    /// How the stepper solves systems of more than 96 unknowns in f64. Smaller ones have a factor, as have all in f32. It bears on last bits, and so on
+    /// decisions that these decide.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Solver: from_name {
+        /// By a factor; of very large systems by conjugate gradients without one where these take few products.
+        Auto = "auto",
+        /// By a factor, which is in f32 for very large systems.
+        Factor = "factor",
+        /// By conjugate gradients without a factor: far less memory, and often more time.
+        ConjugateGradients = "conjugate-gradients",
     }
 }
 

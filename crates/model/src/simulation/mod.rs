@@ -6,7 +6,7 @@ mod joint;
 mod skips;
 mod stiffness;
 
-pub use control::{Control, Kinematics, Unconverged, step_in_words};
+pub use control::{Control, Kinematics, Solver, Unconverged, step_in_words};
 pub use joint::{JointPair, JointProperties, Joints, tangent_of_degrees};
 pub use skips::Skips;
 pub use stiffness::derive_stiffness;

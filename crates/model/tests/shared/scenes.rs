@@ -3,7 +3,7 @@
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{
     Control, FixedPoint, JointPair, JointProperties, Joints, Kinematics, Material, MeasuredPoint, PointLoad, Skips,
-    Unconverged,
+    Solver, Unconverged,
 };
 use rockproof_model::{Body, Criteria, LoadOptions, Motion, Number, Point, Precision, Preset, Scene, Simulation, Vec3};
 use std::path::Path;
@@ -50,6 +50,7 @@ fn a_scene_that_names_nothing_has_every_default() {
             steps: None,
             duration: None,
             skips: Skips { blocks: true, pairs: true, islands: true, features: true },
+            solver: Solver::Auto,
         },
         materials: vec![Material {
             name: "rock".to_string(),
@@ -105,6 +106,7 @@ kinematics = "linear"
 unconverged = "accept"
 joint_materials = ["clay", "saw-cut", "rough"]
 skips = ["islands", "blocks"]
+solver = "conjugate-gradients"
 
 [[material]]
 name = "granite"
@@ -209,6 +211,7 @@ fn a_scene_that_names_everything_has_what_it_names() {
             steps: None,
             duration: Some(number("7/2")),
             skips: Skips { blocks: true, pairs: false, islands: true, features: false },
+            solver: Solver::ConjugateGradients,
         }
     );
     let material = |name: &str, density: &str, young: &str, poisson: &str| Material {

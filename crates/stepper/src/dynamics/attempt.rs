@@ -123,7 +123,7 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
                         d[block as usize] = unchanged.d[block as usize];
                     }
                     let layout = layouts.of(&island.couplings).ok_or(FactorizationFailure { block: lowest })?;
-                    if R::USES_CONJUGATE_GRADIENTS && layout.suits_conjugate_gradients() {
+                    if layout.is_iterative() {
                         known.extend(island.couplings.blocks);
                     }
                     continue;

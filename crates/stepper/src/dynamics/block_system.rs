@@ -23,7 +23,12 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let block = |block: usize| {
             let body = &self.setup.bodies[block];
             let unknowns = body.motion.unknowns();
-            let mut block_systems = BlockSystem { unknowns, stiffness: [R::ZERO; 78], force: [R::ZERO; 12] };
+            let mut block_systems = BlockSystem {
+                unknowns,
+                stiffness: [R::ZERO; 78],
+                force: [R::ZERO; 12],
+                centroid: self.moments[block].centroid,
+            };
             if unknowns == 0 {
                 return block_systems;
             }

@@ -65,6 +65,15 @@ pub(super) struct Resistance<R> {
 }
 
 impl<R: Real> Resistance<R> {
+    /// The sum of what it resists with along three axes, in N/m.
+    pub(super) fn trace(&self) -> R {
+        match self.mode {
+            Mode::Locked => self.pressing + self.shear + self.shear,
+            Mode::Sliding => self.pressing + self.spring * self.across.dot(self.across),
+            Mode::Open => R::ZERO,
+        }
+    }
+
     /// The force in N by which they resist when block i moves by `apart` against block j at the contact (m).
     #[inline(always)]
     pub(super) fn against(&self, apart: Vector<R>) -> Vector<R> {

@@ -1,6 +1,6 @@
 //! Islands: blocks that closed contacts tie together. Each is a system of its own (SPEC section 5, `K d = F`).
 
-use crate::dynamics::conjugate_gradients::CorrectedSystem;
+use crate::dynamics::conjugate_gradients::{ConjugateGradients, FactorInF32, Patience};
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::displacement::BlockVector;
 use crate::dynamics::layout::{Couplings, IslandLayout, Layouts};
@@ -10,7 +10,10 @@ use crate::dynamics::report::IterationTimes;
 use crate::dynamics::solve::{Singular, Solve};
 use crate::dynamics::state::Mode;
 use crate::dynamics::system::System;
+use crate::dynamics::two_level::TwoLevel;
 use crate::real::Real;
+use crate::vector::Vector;
+use rockproof_model::simulation::Solver;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -21,6 +24,8 @@ pub(super) struct BlockSystem<R> {
     pub(super) unknowns: usize,
     pub(super) stiffness: PackedBlockMatrix<R>,
     pub(super) force: BlockVector<R>,
+    /// In m.
+    pub(super) centroid: Vector<R>,
 }
 
 /// Blocks that closed contacts tie together, what is tied within them, and the closed contacts between them and to fixed blocks.
@@ -116,13 +121,15 @@ fn room<'r, R: Real>(memory: &'r mut Vec<R>, pattern: &Pattern) -> &'r mut [R] {
 pub(super) struct CachedFactor<R> {
     layout: Arc<IslandLayout>,
     memory: Memory<R>,
-    /// Where the factor is in f32, what solves by it.
+    /// Where conjugate gradients solve, what they go on from.
     single: Option<SingleFactor<R>>,
 }
 
-/// What is known of a factor in f32 besides its values.
+/// What is known of a system that conjugate gradients solve, and of its factor in f32 besides its values.
 #[derive(Debug)]
 pub(super) struct SingleFactor<R> {
+    /// Whether the next solve tries to do without a factor; then there is none.
+    tries_without: bool,
     /// Panels in which the matrix is no longer that of the factor, as far as springs have changed; all that depend on them are too.
     stale: Vec<bool>,
     /// The solution before.
@@ -133,8 +140,8 @@ pub(super) struct SingleFactor<R> {
 
 impl<R> SingleFactor<R> {
     /// None so far, of so many panels.
-    pub(super) fn none(panels: usize) -> SingleFactor<R> {
-        SingleFactor { stale: vec![true; panels], before: None, gave_up: usize::MAX }
+    pub(super) fn none(panels: usize, tries_without: bool) -> SingleFactor<R> {
+        SingleFactor { tries_without, stale: vec![true; panels], before: None, gave_up: usize::MAX }
     }
 }
 
@@ -189,8 +196,7 @@ impl Island {
                     None => std::mem::replace(work.spare, Memory::NONE),
                 };
                 let marked = vec![true; layout.pattern.panel_count()];
-                let single = (R::USES_CONJUGATE_GRADIENTS && layout.suits_conjugate_gradients())
-                    .then(|| SingleFactor::none(marked.len()));
+                let single = layout.is_iterative().then(|| SingleFactor::none(marked.len(), layout.groups.is_some()));
                 (CachedFactor { layout: layout.clone(), memory, single }, marked)
             }
         };
@@ -240,7 +246,7 @@ impl Island {
     }
 }
 
-/// Solving by a factor in f32.
+/// Solving by conjugate gradients: without a factor, or by one in f32.
 pub(super) struct BySingle<'b, 'p, 's, R> {
     pub(super) products: &'b Products<'p, 's, R>,
     pub(super) memory: &'b mut Vec<f32>,
@@ -248,7 +254,7 @@ pub(super) struct BySingle<'b, 'p, 's, R> {
 }
 
 impl<R: Solve> BySingle<'_, '_, '_, R> {
-    /// Leaves the solution in `single`, if such a factor is good enough. In the panels that are `marked` springs have changed since the
+    /// Leaves the solution in `single`, if it converges. In the panels that are `marked` springs have changed since the
     /// solve before, at `news` contacts in all; the rest of what it says is as that left it.
     pub(super) fn solve(
         self,
@@ -260,14 +266,36 @@ impl<R: Solve> BySingle<'_, '_, '_, R> {
         let BySingle { products, memory, force } = self;
         let system = products.system;
         let pattern = &system.layout.pattern;
+        if single.tries_without {
+            let begun = Instant::now();
+            let patience = match system.layout.solver {
+                Some(Solver::ConjugateGradients) => Patience::WITHOUT_FACTOR,
+                _ => Patience::instead_of_factor(pattern.work(), system.sides.len()),
+            };
+            let may_suffice = patience.can_suffice(products.springs_to_inertia());
+            let preconditioner = if may_suffice { TwoLevel::new(products) } else { None };
+            iteration_times.factor += begun.elapsed();
+            let begun = Instant::now();
+            let before = single.before.take();
+            single.before = preconditioner.and_then(|preconditioner| {
+                let gradients = ConjugateGradients { products, preconditioner: &preconditioner };
+                gradients.solve(force, before.as_deref(), patience)
+            });
+            iteration_times.substitution += begun.elapsed();
+            if single.before.is_some() {
+                return true;
+            }
+            single.tries_without = false;
+        }
         let begun = Instant::now();
         let values = room(memory, pattern);
         single.stale.iter_mut().zip(marked).for_each(|(stale, &marked)| *stale |= marked);
         // Where the factor was of no use it is not tried again before much less changes.
         let before = single.before.take();
         if let Some(before) = before.filter(|_| news < single.gave_up / 2) {
-            let refining = CorrectedSystem { products, factor: values };
-            single.before = refining.solve(force, Some(&before));
+            let preconditioner = FactorInF32 { pattern, values };
+            let refining = ConjugateGradients { products, preconditioner: &preconditioner };
+            single.before = refining.solve(force, Some(&before), Patience::OLD_FACTOR);
             iteration_times.substitution += begun.elapsed();
             if single.before.is_some() {
                 return true;
@@ -285,8 +313,9 @@ impl<R: Solve> BySingle<'_, '_, '_, R> {
         single.stale.fill(false);
         iteration_times.factor += begun.elapsed();
         let begun = Instant::now();
-        let refining = CorrectedSystem { products, factor: values };
-        single.before = factored.ok().and_then(|()| refining.solve(force, None));
+        let preconditioner = FactorInF32 { pattern, values };
+        let refining = ConjugateGradients { products, preconditioner: &preconditioner };
+        single.before = factored.ok().and_then(|()| refining.solve(force, None, Patience::NEW_FACTOR));
         iteration_times.substitution += begun.elapsed();
         single.before.is_some()
     }

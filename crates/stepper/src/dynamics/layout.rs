@@ -1,8 +1,10 @@
 //! Where the unknowns of an island stand: found once, and kept while the same blocks touch one another.
 
 use crate::dynamics::elimination_order::{Graph, Renumbered, elimination_order};
+use crate::dynamics::groups::Groups;
 use crate::dynamics::pattern::Pattern;
 use crate::dynamics::solve::{CONJUGATE_GRADIENTS_FROM, DENSE};
+use rockproof_model::simulation::Solver;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -12,6 +14,10 @@ pub(super) struct IslandLayout {
     /// The node of each block of the island.
     pub(super) places: Vec<u32>,
     pub(super) pattern: Pattern,
+    /// Groups of its blocks, where conjugate gradients without a factor are tried.
+    pub(super) groups: Option<Groups>,
+    /// What solves it, unless it is solved as it always is in the scalar.
+    pub(super) solver: Option<Solver>,
 }
 
 impl IslandLayout {
@@ -20,10 +26,15 @@ impl IslandLayout {
         self.pattern.size() <= DENSE
     }
 
-    /// Whether its factor takes so much for its size that one in f32 is made, and the solution refined.
-    pub(super) fn suits_conjugate_gradients(&self) -> bool {
-        self.pattern.work() >= CONJUGATE_GRADIENTS_FROM * self.pattern.values() as u64
+    /// Whether it is solved by conjugate gradients, with a factor in f32 or without one, so that the solution before bears on last bits.
+    pub(super) fn is_iterative(&self) -> bool {
+        self.groups.is_some() || self.solver.is_some() && is_very_large(&self.pattern)
     }
+}
+
+/// Whether a factor takes so much for its size that one in f32 is made, and the solution refined.
+fn is_very_large(pattern: &Pattern) -> bool {
+    pattern.work() >= CONJUGATE_GRADIENTS_FROM * pattern.values() as u64
 }
 
 /// What a layout follows from: the blocks of an island, ascending, the number of unknowns of each, and pairs of them that touch, by their
@@ -40,17 +51,23 @@ impl Couplings {
         self.unknowns.iter().map(|&n| usize::from(n)).sum()
     }
 
-    fn layout(&self, at: &[[f64; 3]]) -> Option<IslandLayout> {
+    fn layout(&self, at: &[[f64; 3]], solver: Option<Solver>) -> Option<IslandLayout> {
         let unknowns = &self.unknowns;
         if self.size() <= DENSE {
             let places = (0..unknowns.len() as u32).collect();
-            return Some(IslandLayout { places, pattern: Pattern::whole(unknowns) });
+            return Some(IslandLayout { places, pattern: Pattern::whole(unknowns), groups: None, solver: None });
         }
         let graph = Graph { unknowns, pairs: &self.pairs };
         let at: Vec<[f64; 3]> = self.blocks.iter().map(|&block| at[block as usize]).collect();
         let renumbered = Renumbered::new(graph, &elimination_order(graph, &at)?);
         let pattern = Pattern::new(renumbered.graph());
-        Some(IslandLayout { places: renumbered.places, pattern })
+        let grouped = match solver {
+            None | Some(Solver::Factor) => false,
+            Some(Solver::Auto) => is_very_large(&pattern),
+            Some(Solver::ConjugateGradients) => true,
+        };
+        let groups = if grouped { Some(Groups::new(graph, &renumbered.places, &at)?) } else { None };
+        Some(IslandLayout { places: renumbered.places, pattern, groups, solver })
     }
 }
 
@@ -59,12 +76,14 @@ impl Couplings {
 pub(super) struct Layouts {
     /// Where the blocks are when the scene begins (m). Not where they are now: a run that is resumed must find the same layouts.
     at: Vec<[f64; 3]>,
+    /// What solves large systems, where the scalar leaves a choice.
+    solver: Option<Solver>,
     known: HashMap<Couplings, (Arc<IslandLayout>, bool)>,
 }
 
 impl Layouts {
-    pub(super) fn new(at: Vec<[f64; 3]>) -> Layouts {
-        Layouts { at, known: HashMap::new() }
+    pub(super) fn new(at: Vec<[f64; 3]>, solver: Option<Solver>) -> Layouts {
+        Layouts { at, solver, known: HashMap::new() }
     }
 
     /// Forgets those that were not used since the last call.
@@ -78,7 +97,7 @@ impl Layouts {
             *used = true;
             return Some(layout.clone());
         }
-        let layout = Arc::new(couplings.layout(&self.at)?);
+        let layout = Arc::new(couplings.layout(&self.at, self.solver)?);
         if !layout.is_small() {
             self.known.insert(couplings.clone(), (layout.clone(), true));
         }

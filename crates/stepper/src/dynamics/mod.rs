@@ -21,6 +21,7 @@ pub mod elimination_order;
 mod factor;
 mod filtered_contacts;
 mod friction;
+mod groups;
 mod island;
 mod kinematics;
 mod layout;
@@ -43,6 +44,7 @@ mod substitution;
 mod subtrees;
 mod system;
 mod transfer;
+mod two_level;
 mod unchanged;
 mod update;
 

@@ -15,13 +15,13 @@ use rayon::prelude::*;
 pub(super) struct Products<'p, 's, R> {
     pub(super) system: &'p System<'s, R>,
     /// One for each closed contact.
-    resisting: Vec<ResistingContact<R>>,
+    pub(super) resisting: Vec<ResistingContact<R>>,
 }
 
 /// What a closed contact brings: of a contact in work that alone, since all are read with every product.
-struct ResistingContact<R> {
-    arms: [Vector<R>; 2],
-    resistance: Resistance<R>,
+pub(super) struct ResistingContact<R> {
+    pub(super) arms: [Vector<R>; 2],
+    pub(super) resistance: Resistance<R>,
 }
 
 impl<'p, 's, R: Real + Send + Sync> Products<'p, 's, R> {
@@ -32,6 +32,18 @@ impl<'p, 's, R: Real + Send + Sync> Products<'p, 's, R> {
         };
         let all = (0..system.sides.len()).into_par_iter().with_min_len(CONTACTS_AT_ONCE);
         Products { system, resisting: all.map(of_contact).collect() }
+    }
+
+    /// How many times as stiff the springs at the blocks are as their inertia is in this step, in the mean over translations.
+    pub(super) fn springs_to_inertia(&self) -> f64 {
+        let moving = |sides: &[u32; 2]| sides.iter().filter(|&&place| place != NO_PLACE).count() as f64;
+        let springs = self.resisting.iter().zip(&self.system.sides);
+        let springs: f64 = springs.map(|(contact, sides)| moving(sides) * contact.resistance.trace().to_f64()).sum();
+        let inertia = |&block: &u32| {
+            let stiffness = &self.system.block_systems[block as usize].stiffness;
+            (0..3).map(|axis| stiffness[packed(axis, axis)].to_f64()).sum::<f64>()
+        };
+        springs / self.system.blocks.iter().map(inertia).sum::<f64>()
     }
 
     /// The whole matrix times a vector.

@@ -6,7 +6,7 @@ use crate::dynamics::material::{Elastic, Joint};
 use crate::dynamics::state::{BlockState, ContactState, State};
 use crate::real::Real;
 use crate::vector::Vector;
-use rockproof_model::simulation::{Kinematics, Motion, Simulation, Unconverged};
+use rockproof_model::simulation::{Kinematics, Motion, Simulation, Solver, Unconverged};
 use rockproof_model::{Block, Number, Scene, ToleranceSet, Vec3};
 
 /// Why a scene cannot be stepped.
@@ -110,6 +110,7 @@ pub(super) struct ControlSetup<R> {
     pub(super) damping: R,
     pub(super) kinematics: Kinematics,
     pub(super) unconverged: Unconverged,
+    pub(super) solver: Solver,
 }
 
 /// The tolerances of the open–close iteration and of step control.
@@ -189,6 +190,7 @@ impl<R: Real> SceneSetup<R> {
                 damping: near("damping", &control.damping)?,
                 kinematics: control.kinematics,
                 unconverged: control.unconverged,
+                solver: control.solver,
             },
             limits: StepLimits {
                 equal: near("equal", &set.equal)?,

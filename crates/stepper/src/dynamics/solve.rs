@@ -28,7 +28,7 @@ pub type Fill<'f, R> = dyn Fn(usize, &mut [R]) + Sync + 'f;
 
 /// A scalar in which systems can be solved.
 pub trait Solve: CompiledSteps + Real + Send + Sync {
-    /// Whether very large systems are solved by a factor in f32, and refined to this scalar's precision.
+    /// Whether large systems can be solved by conjugate gradients to this scalar's precision: by a factor in f32, or without a factor.
     const USES_CONJUGATE_GRADIENTS: bool;
 
     /// Gives the panels that are marked the values of the factor. All others have them already, and depend on none that is marked. `fill`

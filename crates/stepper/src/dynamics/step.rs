@@ -4,6 +4,8 @@
 mod bricks;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod two_level_tests;
 
 use crate::contact::{ClassificationRequest, PreparedBlock, SpecRules};
 use crate::dynamics::area;
@@ -140,7 +142,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         let PreparedBlocks { prepared, moments } = PreparedBlocks::new(&setup.blocks, &state.blocks)?;
         let at = |moments: &Moments<R>| moments.centroid.components().map(Real::to_f64);
         let travel = BlockTravel::of(prepared.len());
-        let layouts = Layouts::new(moments.iter().map(at).collect());
+        let layouts =
+            Layouts::new(moments.iter().map(at).collect(), R::USES_CONJUGATE_GRADIENTS.then_some(setup.control.solver));
         Ok(Dynamics {
             setup,
             state,

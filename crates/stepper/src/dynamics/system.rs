@@ -44,6 +44,7 @@ pub(super) const CONTACTS_AT_ONCE: usize = 512;
 const PART: usize = 256;
 
 /// Lists of numbers, one after another.
+#[derive(Debug)]
 pub(super) struct Lists {
     /// Where each begins, and where the last ends.
     begins: Vec<u32>,
@@ -146,15 +147,20 @@ impl<'s, R: Real + Send + Sync> System<'s, R> {
         &self.contacts[self.closed[closed as usize]]
     }
 
+    /// Parts of the places that threads can share, and the closed contacts at each.
+    pub(super) fn places_by_part(&self) -> impl Iterator<Item = (Range<usize>, &[u32])> {
+        let count = self.blocks.len();
+        let part = move |first: usize| (first..(first + PART).min(count), self.at_part.of(first / PART));
+        (0..count).step_by(PART).map(part)
+    }
+
     /// Cuts a vector into parts that threads can share.
     pub(super) fn parts<'p>(&'p self, vector: &'p mut [R]) -> Vec<Part<'p, R>> {
         let (mut parts, mut rest, mut begin) = (Vec::new(), vector, 0);
-        let count = self.blocks.len();
-        for first in (0..count).step_by(PART) {
-            let places = first..(first + PART).min(count);
+        for (places, closed) in self.places_by_part() {
             let end = self.layout.pattern.unknowns(places.end - 1).end;
             let (values, others) = rest.split_at_mut(end - begin);
-            parts.push(Part { places, closed: self.at_part.of(first / PART), begin, values });
+            parts.push(Part { places, closed, begin, values });
             (rest, begin) = (others, end);
         }
         parts

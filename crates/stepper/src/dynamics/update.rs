@@ -139,11 +139,6 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         for (&block, point) in self.setup.measured.iter().zip(&mut next.measured_points) {
             *point = motions[block].of(*point);
         }
-        let after = |contact: &StepContact<R>| {
-            let moved = |block: usize, point| if self.is_fixed(block) { point } else { motions[block].of(point) };
-            contact.state_after_step::<M>(moved)
-        };
-        next.contacts = contacts.par_iter().with_min_len(CONTACTS_AT_ONCE).map(after).collect();
         if settling {
             next.settling -= 1;
             if next.settling == 0 {
@@ -163,6 +158,15 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             debug_assert!(restored.is_ok(), "a state that was prepared once is prepared again");
             return Err(StepError::Collapsed { step: number, block, what });
         }
+        if !self.any_unmoved(&unmoved) {
+            // Nothing is compared with them. Both at once would take the most memory of a step.
+            self.state.contacts = Vec::new();
+        }
+        let after = |contact: &StepContact<R>| {
+            let moved = |block: usize, point| if self.is_fixed(block) { point } else { motions[block].of(point) };
+            contact.state_after_step::<M>(moved)
+        };
+        next.contacts = contacts.par_iter().with_min_len(CONTACTS_AT_ONCE).map(after).collect();
         self.unchanged = self.still_after(contacts, &next, unmoved, (&ended, time_step, settling));
         self.state = next;
         self.moments = moments;
@@ -176,6 +180,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         Ok(self.report(contacts, number, time_step.to_f64(), (&ended, retries), farthest))
     }
 
+    /// Whether a block that can move stayed where it was.
+    fn any_unmoved(&self, unmoved: &[bool]) -> bool {
+        unmoved.iter().enumerate().any(|(block, &unmoved)| unmoved && !self.is_fixed(block))
+    }
+
     /// What a step left as it was. `next` is the state that it leads to.
     fn still_after(
         &self,
@@ -184,10 +193,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         unmoved: Vec<bool>,
         (ended, time_step, settling): (&IterationResult<R>, R, bool),
     ) -> Unchanged<R> {
-        let moving = |block: usize| !self.is_fixed(block);
-        if !(0..unmoved.len()).any(|block| moving(block) && unmoved[block]) {
+        if !self.any_unmoved(&unmoved) {
             return Unchanged::NONE;
         }
+        let moving = |block: usize| !self.is_fixed(block);
         let kept_others = different_pairs(&self.state.contacts, &next.contacts, |contact| M::leaves_kept(contact.mode));
         // Velocities of the scene are set when settling is over.
         if !self.skips.islands || settling != (next.settling > 0) {

@@ -17,5 +17,6 @@ mod planted;
 mod scenes;
 mod skips;
 mod solve;
+mod solvers;
 mod strength;
 mod support;

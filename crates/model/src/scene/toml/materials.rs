@@ -6,12 +6,12 @@ use crate::number_text::shown;
 use crate::scene::error::SceneProblem;
 use crate::scene::tokens::Located;
 use crate::simulation::{
-    Control, JointPair, JointProperties, Joints, Kinematics, Material, Simulation, Skips, Unconverged,
+    Control, JointPair, JointProperties, Joints, Kinematics, Material, Simulation, Skips, Solver, Unconverged,
     tangent_of_degrees,
 };
 use toml::de::DeTable;
 
-const CONTROL: [&str; 11] = [
+const CONTROL: [&str; 12] = [
     "gravity",
     "time_step",
     "steps",
@@ -23,6 +23,7 @@ const CONTROL: [&str; 11] = [
     "unconverged",
     "joint_materials",
     "skips",
+    "solver",
 ];
 const MATERIAL: [&str; 4] = ["name", "density", "young", "poisson"];
 const JOINT: [&str; 8] = [
@@ -74,6 +75,8 @@ impl Lines {
             .map(|(value, what)| self.word(value, &what, Kinematics::from_name, "\"linear\" or \"cayley\""));
         let unconverged = word("unconverged")
             .map(|(value, what)| self.word(value, &what, Unconverged::from_name, "\"stop\" or \"accept\""));
+        let solvers = Solver::ALL.map(|solver| format!("\"{}\"", solver.name())).join(", ");
+        let solver = word("solver").map(|(value, what)| self.word(value, &what, Solver::from_name, &solvers));
         let settle = whole("settle", 0, u64::from(u32::MAX))?.and_then(|steps| u32::try_from(steps).ok());
         Ok(Control {
             time_step: self.optional(table, "time_step", place, Allowed::Positive)?.unwrap_or(default.time_step),
@@ -85,6 +88,7 @@ impl Lines {
             steps: whole("steps", 1, i64::MAX as u64)?,
             duration: self.optional(table, "time", place, Allowed::Positive)?,
             skips: table.get("skips").map(|value| self.skips(value)).transpose()?.unwrap_or(default.skips),
+            solver: solver.transpose()?.unwrap_or(default.solver),
         })
     }
 

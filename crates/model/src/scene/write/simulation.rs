@@ -2,7 +2,7 @@
 
 use super::{push, toml_number};
 use crate::number::Number;
-use crate::simulation::{Body, JointProperties, Joints, Simulation, Skips};
+use crate::simulation::{Body, JointProperties, Joints, Simulation, Skips, Solver};
 use crate::vector::Vec3;
 
 /// `[simulation]`, `[[material]]` and `[[joint]]`, whole.
@@ -24,6 +24,9 @@ pub(super) fn write_simulation(out: &mut String, simulation: &Simulation) {
     push(out, format_args!("settle = {}\n", control.settle));
     push(out, format_args!("kinematics = \"{}\"\n", control.kinematics.name()));
     push(out, format_args!("unconverged = \"{}\"\n", control.unconverged.name()));
+    if control.solver != Solver::Auto {
+        push(out, format_args!("solver = \"{}\"\n", control.solver.name()));
+    }
     if control.skips != Skips::ALL {
         let names: Vec<String> = control.skips.names().map(|name| format!("\"{name}\"")).collect();
         push(out, format_args!("skips = [{}]\n", names.join(", ")));

@@ -79,7 +79,7 @@ fn a_factor_in_f32_is_refined_to_the_solution_in_f64() {
     let island = &all[0];
     let layout = dynamics.layouts.of(&island.couplings).expect("a layout");
     let panels = layout.pattern.panel_count();
-    let mut single = SingleFactor::none(panels);
+    let mut single = SingleFactor::none(panels, false);
     let mut memory = Vec::new();
     // By a new factor, then after a small change by the same one.
     for news in [0, 1] {
@@ -121,6 +121,6 @@ fn the_islands_of_bricks_are_as_many_and_as_large_as_meant() {
         let islands = islands(&unknowns, &pairs, &modes);
         assert_eq!(islands.len(), 1 + usize::from(twice));
         let layout = dynamics.layouts.of(&islands[0].couplings).expect("a layout");
-        assert_eq!(layout.suits_conjugate_gradients(), very_large, "{size:?}");
+        assert_eq!(layout.is_iterative(), very_large, "{size:?}");
     }
 }
