@@ -178,6 +178,18 @@ struct Seen {
     enclosed: integer_width::Seen,
 }
 
+impl std::ops::AddAssign for Seen {
+    fn add_assign(&mut self, other: Seen) {
+        let Seen { signs, by_unit_bound, by_pair_bound, by_ball, by_double, enclosed } = other;
+        self.signs.iter_mut().zip(signs).for_each(|(sum, count)| *sum += count);
+        self.by_unit_bound += by_unit_bound;
+        self.by_pair_bound += by_pair_bound;
+        self.by_ball += by_ball;
+        self.by_double += by_double;
+        self.enclosed += enclosed;
+    }
+}
+
 struct Checker<'p, 's> {
     pair: &'p Pair<'s>,
     run: SignCascade<'p, 's>,
@@ -399,9 +411,8 @@ fn no_level_proves_a_wrong_sign_at_full_size() {
     prove_no_wrong_sign(2_000);
 }
 
-fn prove_no_wrong_sign(rounds: usize) {
-    let mut dice = Dice(7);
-    let (mut seen, mut unit_bounds, mut levels) = (BTreeMap::new(), BTreeMap::new(), LevelCounts::default());
+fn walk(mut dice: Dice, rounds: usize) -> Walk {
+    let Walk { mut seen, mut unit_bounds, mut levels } = Walk::default();
     for round in 0..rounds {
         let input = match INPUTS[round % INPUTS.len()] {
             Input::Digits(_) => Input::Digits(1 + dice.below(49) as u32),
@@ -433,6 +444,38 @@ fn prove_no_wrong_sign(rounds: usize) {
         }
         .visit_all(&mut dice);
     }
+    Walk { seen, unit_bounds, levels }
+}
+
+/// What a walk through random pairs came to.
+#[derive(Default)]
+struct Walk {
+    seen: BTreeMap<usize, Seen>,
+    unit_bounds: BTreeMap<(usize, usize, u64), f64>,
+    levels: LevelCounts,
+}
+
+impl Walk {
+    fn add(&mut self, other: Walk) {
+        for (slot, seen) in other.seen {
+            *self.seen.entry(slot).or_default() += seen;
+        }
+        for (of, bound) in other.unit_bounds {
+            expect_one_bound(&mut self.unit_bounds, of, bound, of.0, "in another walk");
+        }
+        self.levels += other.levels;
+    }
+}
+
+/// In two walks at a time, since it would else be the last test and leave a core idle.
+fn prove_no_wrong_sign(rounds: usize) {
+    let walks = std::thread::scope(|scope| {
+        let both = [7, 8].map(|seed| scope.spawn(move || walk(Dice(seed), rounds / 2)));
+        both.map(|thread| thread.join().unwrap_or_else(|failure| std::panic::resume_unwind(failure)))
+    });
+    let mut all = Walk::default();
+    walks.into_iter().for_each(|walk| all.add(walk));
+    let Walk { seen, levels, .. } = all;
     // The widths of integers are reached by what they are for.
     assert!(levels.fixed.into_iter().chain([levels.i128, levels.heap]).all(|count| count > 100), "{levels:?}");
     for (slot, seen) in &seen {
