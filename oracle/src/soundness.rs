@@ -241,7 +241,7 @@ impl Visitor for Checker<'_, '_> {
     fn visit<P: Polynomial>(&mut self, p: &P) {
         let (pair, t, about) = (self.pair, self.tolerances, &self.about);
         let slot = P::FIRST_SLOT + p.variant();
-        assert!(p.variant() < P::VARIANTS && slot < SLOTS);
+        assert!(p.variant() < P::VARIANTS && slot < SIGN_SLOTS);
         let exact = in_integers::<P, BigInt>(pair, t, p);
         self.seen.entry(slot).or_default().enclosed += integer_width::check(&self.run, p, exact, about);
         assert_eq!(self.run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
@@ -453,7 +453,7 @@ fn prove_no_wrong_sign(rounds: usize) {
     let ties: u64 = seen.values().map(|s| s.signs[1]).sum();
     assert!(ties > 0);
     // Polynomials that share a slot by mistake would share its bound, which is too small for one of them.
-    assert_eq!(seen.len(), SLOTS);
+    assert_eq!(seen.len(), SIGN_SLOTS);
 }
 
 #[test]

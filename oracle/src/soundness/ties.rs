@@ -7,7 +7,7 @@ use crate::field::Field;
 use crate::levels::LevelCounts;
 use crate::number::Ball;
 use crate::pair::Pair;
-use crate::predicate::{Polynomial, SLOTS};
+use crate::predicate::{Polynomial, SIGN_SLOTS};
 use crate::prepared_block::PreparedBlock;
 use crate::sign_cascade::SignCascade;
 use crate::view::{BallView, ExactBlock, ExactPair, ExactView, FloatView, LazyScales, Scales};
@@ -343,7 +343,7 @@ fn draw(dice: &mut Dice) -> ([Block; 2], Numbers) {
 #[test]
 fn every_level_decides_solved_ties_and_what_is_a_last_place_beside_them() {
     let mut dice = Dice(3);
-    let mut seen = vec![Seen::default(); SLOTS];
+    let mut seen = vec![Seen::default(); SIGN_SLOTS];
     for _ in 0..400 {
         let (shapes, numbers) = draw(&mut dice);
         let ([a, b], _) = numbers.given(&shapes, 0);
