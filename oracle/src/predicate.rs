@@ -164,7 +164,7 @@ fn lambda_squared_inverse<V: View>() -> V::T {
 }
 
 #[inline(always)]
-fn across<V: View>(view: &V, edge_a: EdgeId, edge_b: EdgeId) -> Vec3<V::T> {
+pub(crate) fn across<V: View>(view: &V, edge_a: EdgeId, edge_b: EdgeId) -> Vec3<V::T> {
     view.direction(Side::A, edge_a).cross(&view.direction(Side::B, edge_b))
 }
 

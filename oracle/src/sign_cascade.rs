@@ -119,13 +119,25 @@ impl<'p, 's> SignCascade<'p, 's> {
     /// The exact sign of a polynomial.
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
-        self.float_sign(polynomial).unwrap_or_else(|value| self.careful_sign(polynomial, value))
+        let value = polynomial.value(&self.float_view()).0;
+        self.sign_of_value(polynomial, value)
     }
 
     /// The sign where f64 tells it by a bound known beforehand, else the value in f64.
     #[inline(always)]
     fn float_sign<P: Polynomial>(&mut self, polynomial: &P) -> Result<Sign, f64> {
         let value = polynomial.value(&self.float_view()).0;
+        self.sign_by_bound(polynomial, value)
+    }
+
+    /// The exact sign of a polynomial that has this value in f64, calculated as [`Polynomial::value`] does.
+    #[inline(always)]
+    pub(crate) fn sign_of_value<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Sign {
+        self.sign_by_bound(polynomial, value).unwrap_or_else(|value| self.careful_sign(polynomial, value))
+    }
+
+    #[inline(always)]
+    fn sign_by_bound<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Result<Sign, f64> {
         let bound = self.bound_of::<P>(polynomial.variant());
         if value > bound {
             self.levels.float += 1;

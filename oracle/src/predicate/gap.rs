@@ -167,7 +167,10 @@ impl Polynomial for LargerGap {
         factor_is_one.then_some(EqualGaps { first: self.first, second: self.second })
     }
     fn error_by_parts(&self, parts: &Parts<'_, '_, '_>) -> Option<f64> {
-        Some(self.of_planes(bounds_of_plane(parts, &self.first), bounds_of_plane(parts, &self.second), &parts.scales()).error)
+        Some(
+            self.of_planes(bounds_of_plane(parts, &self.first), bounds_of_plane(parts, &self.second), &parts.scales())
+                .error,
+        )
     }
 }
 

@@ -138,6 +138,13 @@ impl InwardAcross {
             Side::B => (Side::B, self.edge_b),
         }
     }
+
+    /// The value for `n = d₁ × d₂`.
+    #[inline(always)]
+    pub(crate) fn value_along<V: View>(&self, view: &V, n: &Vec3<V::T>) -> V::T {
+        let edge = self.edge();
+        n.dot(&view.inward(edge.0, edge.1, self.right))
+    }
 }
 
 impl Polynomial for InwardAcross {
@@ -153,8 +160,7 @@ impl Polynomial for InwardAcross {
     }
     #[inline(always)]
     fn value<V: View>(&self, view: &V) -> V::T {
-        let edge = self.edge();
-        across(view, self.edge_a, self.edge_b).dot(&view.inward(edge.0, edge.1, self.right))
+        self.value_along(view, &across(view, self.edge_a, self.edge_b))
     }
     #[inline(always)]
     fn as_edge_along_normal(&self, pair: &Pair<'_>) -> Option<AsEdgeAlongNormal> {

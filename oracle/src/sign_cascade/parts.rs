@@ -13,7 +13,11 @@ use rockproof_model::Sign;
 /// The parts of a value of one pair, under bounds known beforehand.
 pub(crate) struct Parts<'c, 'p, 's>(&'c SignCascade<'p, 's>);
 
-impl Parts<'_, '_, '_> {
+impl<'c, 'p, 's> Parts<'c, 'p, 's> {
+    pub(crate) fn new(cascade: &'c SignCascade<'p, 's>) -> Self {
+        Parts(cascade)
+    }
+
     /// What a part is, exactly and in f64.
     #[inline]
     pub(crate) fn of<P: Polynomial>(&self, part: &P) -> Bound {
@@ -38,7 +42,7 @@ impl SignCascade<'_, '_> {
     /// The sign of a polynomial that has this value in f64, where the sizes of its parts tell.
     #[inline(always)]
     pub(crate) fn sign_by_parts<P: Polynomial>(&self, polynomial: &P, value: f64) -> Option<Sign> {
-        let bound = polynomial.error_by_parts(&Parts(self))?;
+        let bound = polynomial.error_by_parts(&Parts::new(self))?;
         if value > bound {
             Some(Sign::Positive)
         } else if value < -bound {

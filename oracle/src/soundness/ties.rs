@@ -190,7 +190,8 @@ impl Solver<'_> {
     /// Holds that each level that can say it, and the cascade, say what fractions say; the level that integers took, and whether balls
     /// know the sign.
     fn check<P: Polynomial>(&self, p: &P, numbers: &Numbers, shift: u32) -> (Sign, usize, bool) {
-        let exact = ExactRing::sign(&numbers.value(self.shapes, p));
+        let value = numbers.value(self.shapes, p);
+        let exact = ExactRing::sign(&value);
         let ([a, b], t) = numbers.given(self.shapes, shift);
         let pair = Pair::new(&a, &b);
         let slot = P::FIRST_SLOT + p.variant();
@@ -207,6 +208,7 @@ impl Solver<'_> {
         for time in 1..=2 {
             assert_eq!(run.sign(p), exact, "the cascade, slot {slot}, time {time}, {about}");
         }
+        super::parts::check_error(&run, p, &(value / (BigInt::one() << (shift * P::DEGREE as u32))), &about);
         let floats = Scales::approximate(&t);
         let balls = p.value(&BallView {
             floats: FloatView { a: &a, b: &b, scales: &floats },
