@@ -176,13 +176,20 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
     /// The exact sign of a polynomial.
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
+        let value = polynomial.value(&self.float_view()).0;
+        self.sign_of_value(polynomial, value)
+    }
+
+    /// The same of a polynomial that has this value in f64, calculated as [`Polynomial::value`] does.
+    #[inline(always)]
+    pub(crate) fn sign_of_value<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Sign {
         if !O::is_active() {
-            return self.cascade.sign(polynomial);
+            return self.cascade.sign_of_value(polynomial, value);
         }
         if let Some(sign) = self.observer.known_sign() {
             return sign;
         }
-        let sign = self.cascade.sign(polynomial);
+        let sign = self.cascade.sign_of_value(polynomial, value);
         // Of a zero the margin is known.
         self.observed(sign, |margins| if sign.is_zero() { 0.0 } else { margins.of(polynomial).1 })
     }

@@ -1,6 +1,6 @@
 //! SPEC section 4, one file per feature pair.
 
-mod certified_reject;
+pub(crate) mod certified_reject;
 mod classify;
 mod culling;
 mod edge_edge;

@@ -19,7 +19,8 @@ pub(crate) use region::*;
 pub(crate) use wedge::*;
 
 use crate::pair::Pair;
-use crate::view::View;
+use crate::sign_cascade::Parts;
+use crate::view::{Scales, View};
 use rockproof_model::decision::Side;
 use rockproof_model::tolerance::LAMBDA_INVERSE;
 use rockproof_model::{EdgeId, Entrance, EntranceKind, FaceId, Ring, ToleranceSet, Vec3, VertexId};
@@ -57,6 +58,10 @@ pub(crate) trait Polynomial {
     fn ties_with(&self, _tolerances: &ToleranceSet) -> Option<EqualGaps> {
         None
     }
+    /// What the value in f64 is off by at most, from the sizes that its parts have; `None` where these tell no more than a bound known beforehand.
+    fn error_by_parts(&self, _parts: &Parts<'_, '_, '_>) -> Option<f64> {
+        None
+    }
 }
 
 /// A power of a denominator of tolerances ([`crate::view::Scales`]).
@@ -69,8 +74,11 @@ pub(crate) enum Denominator {
     WholeSquared,
 }
 
-/// Number of slots for static bounds.
-pub(crate) const SLOTS: usize = after::<EdgeAlongNormal>();
+/// Number of slots of polynomials by whose signs something is decided.
+pub(crate) const SIGN_SLOTS: usize = after::<EdgeAlongNormal>();
+
+/// Number of slots for static bounds: with those of parts.
+pub(crate) const SLOTS: usize = after::<CornerHeight>();
 
 /// The largest degree of all.
 pub(crate) const LARGEST_DEGREE: usize = WedgeDipDepth::DEGREE;
@@ -114,12 +122,11 @@ pub(crate) enum DipLimit {
 impl DipLimit {
     /// The square of the limit over the square of the unit it is counted in.
     #[inline(always)]
-    fn squared<V: View>(self, view: &V) -> (V::T, V::T) {
-        let scales = view.scales();
+    fn squared<T: Ring>(self, scales: &Scales<T>) -> (T, T) {
         match self {
             DipLimit::Penetration => (scales.penetration.squared(), scales.unit.squared()),
             DipLimit::TrueExit => {
-                let tenths = scales.unit.times(&V::T::from_i32(TRUE_EXIT_INVERSE));
+                let tenths = scales.unit.times(&T::from_i32(TRUE_EXIT_INVERSE));
                 (scales.territory.squared(), tenths.squared())
             }
         }
@@ -157,7 +164,7 @@ fn lambda_squared_inverse<V: View>() -> V::T {
 }
 
 #[inline(always)]
-fn across<V: View>(view: &V, edge_a: EdgeId, edge_b: EdgeId) -> Vec3<V::T> {
+pub(crate) fn across<V: View>(view: &V, edge_a: EdgeId, edge_b: EdgeId) -> Vec3<V::T> {
     view.direction(Side::A, edge_a).cross(&view.direction(Side::B, edge_b))
 }
 

@@ -34,6 +34,24 @@ fn rounding_of(n: &Number) -> f64 {
 }
 
 impl Scales<Bound> {
+    /// Bounds on what [`Scales::approximate`] gives, as if it had been rounded.
+    #[inline(always)]
+    pub(crate) fn around(floats: &Scales<Approx>) -> Scales<Bound> {
+        let bound = |n: Approx| Bound::around(n.0, n.0.abs() * UNIT_ROUNDOFF * INFLATION + UNDERFLOW);
+        let exactly_one = Bound { magnitude: 1.0, error: 0.0 };
+        Scales {
+            unit: exactly_one,
+            search: bound(floats.search),
+            territory: bound(floats.territory),
+            penetration: bound(floats.penetration),
+            one: exactly_one,
+            overlap: bound(floats.overlap),
+            parallel: bound(floats.parallel),
+            whole: exactly_one,
+            equal: bound(floats.equal),
+        }
+    }
+
     /// Bounds on what [`Scales::approximate`] gives.
     pub(crate) fn bounds(t: &ToleranceSet) -> Scales<Bound> {
         let bound = |n: &Number| Bound::around(n.approximate(), rounding_of(n));

@@ -2,15 +2,17 @@
 
 mod integer_width;
 mod margins;
+mod parts;
 mod planes;
 
 pub(crate) use margins::Margins;
+pub(crate) use parts::Parts;
 
 use crate::field::{DoubleBall, Field};
 use crate::levels::LevelCounts;
 use crate::number::{Approx, Ball, Bits, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
-use crate::predicate::{AsEdgeAlongNormal, Denominator, Polynomial, SLOTS};
+use crate::predicate::{AsEdgeAlongNormal, Denominator, Polynomial, SIGN_SLOTS};
 use crate::unit_bounds::{SizePowers, UnitBounds, unit_bounds_for};
 use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales};
 use num_bigint::BigInt;
@@ -34,14 +36,14 @@ pub(crate) struct SignCascade<'p, 's> {
 
 /// What only signs need that f64 and the bounds of unit size leave open, made when the first of them comes.
 struct CarefulStages<'p> {
-    bounds: [f64; SLOTS],
+    bounds: [f64; SIGN_SLOTS],
     bound_view: OnceCell<BoundView<'p>>,
     scales: ScalesCache,
 }
 
 impl Default for CarefulStages<'_> {
     fn default() -> Self {
-        CarefulStages { bounds: [f64::NAN; SLOTS], bound_view: OnceCell::new(), scales: ScalesCache::default() }
+        CarefulStages { bounds: [f64::NAN; SIGN_SLOTS], bound_view: OnceCell::new(), scales: ScalesCache::default() }
     }
 }
 
@@ -117,13 +119,25 @@ impl<'p, 's> SignCascade<'p, 's> {
     /// The exact sign of a polynomial.
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
-        self.float_sign(polynomial).unwrap_or_else(|value| self.careful_sign(polynomial, value))
+        let value = polynomial.value(&self.float_view()).0;
+        self.sign_of_value(polynomial, value)
     }
 
     /// The sign where f64 tells it by a bound known beforehand, else the value in f64.
     #[inline(always)]
     fn float_sign<P: Polynomial>(&mut self, polynomial: &P) -> Result<Sign, f64> {
         let value = polynomial.value(&self.float_view()).0;
+        self.sign_by_bound(polynomial, value)
+    }
+
+    /// The exact sign of a polynomial that has this value in f64, calculated as [`Polynomial::value`] does.
+    #[inline(always)]
+    pub(crate) fn sign_of_value<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Sign {
+        self.sign_by_bound(polynomial, value).unwrap_or_else(|value| self.careful_sign(polynomial, value))
+    }
+
+    #[inline(always)]
+    fn sign_by_bound<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Result<Sign, f64> {
         let bound = self.bound_of::<P>(polynomial.variant());
         if value > bound {
             self.levels.float += 1;
@@ -136,6 +150,17 @@ impl<'p, 's> SignCascade<'p, 's> {
         }
     }
 
+    /// Works out the bound that holds for all pairs of unit size.
+    #[cold]
+    #[inline(never)]
+    fn find_unit_bound<P: Polynomial>(&self, polynomial: &P) -> f64 {
+        let UnitBounds { longest_loop, coordinate, .. } = *self.unit_bounds;
+        let view = BoundView::of_unit_size(self.pair.a, self.pair.b, longest_loop, coordinate);
+        let bound = polynomial.value(&view).error * INFLATION;
+        self.unit_bounds.set(P::FIRST_SLOT + polynomial.variant(), bound);
+        bound
+    }
+
     /// Goes on with the values themselves: by a shorter polynomial where there is one, as balls, then exactly.
     #[cold]
     #[inline(never)]
@@ -143,10 +168,7 @@ impl<'p, 's> SignCascade<'p, 's> {
         let slot = P::FIRST_SLOT + polynomial.variant();
         let (pair, tolerances) = (self.pair, self.tolerances);
         if self.unit_bounds.get(slot).is_nan() {
-            let UnitBounds { longest_loop, coordinate, .. } = *self.unit_bounds;
-            let view = BoundView::of_unit_size(pair.a, pair.b, longest_loop, coordinate);
-            let bound = polynomial.value(&view).error * INFLATION;
-            self.unit_bounds.set(slot, bound);
+            let bound = self.find_unit_bound(polynomial);
             if value.abs() > bound * self.size_powers.of::<P>() {
                 self.levels.float += 1;
                 return if value > 0.0 { Sign::Positive } else { Sign::Negative };
@@ -190,6 +212,10 @@ impl<'p, 's> SignCascade<'p, 's> {
             && bits < Bits(128)
         {
             return self.sign_of_bits(polynomial, bits);
+        }
+        if let Some(sign) = self.sign_by_parts(polynomial, value) {
+            self.levels.ball += 1;
+            return sign;
         }
         let balls = BallView {
             floats: self.float_view(),

@@ -25,6 +25,8 @@ mod definite;
 mod edge_in_plane;
 mod integer_width;
 mod limits;
+mod parts;
+mod places;
 mod planes;
 mod replayed;
 mod ties;
@@ -173,6 +175,7 @@ struct Seen {
     signs: [u64; 3],
     by_unit_bound: u64,
     by_pair_bound: u64,
+    by_parts: u64,
     by_ball: u64,
     by_double: u64,
     enclosed: integer_width::Seen,
@@ -253,7 +256,7 @@ impl Visitor for Checker<'_, '_> {
     fn visit<P: Polynomial>(&mut self, p: &P) {
         let (pair, t, about) = (self.pair, self.tolerances, &self.about);
         let slot = P::FIRST_SLOT + p.variant();
-        assert!(p.variant() < P::VARIANTS && slot < SLOTS);
+        assert!(p.variant() < P::VARIANTS && slot < SIGN_SLOTS);
         let exact = in_integers::<P, BigInt>(pair, t, p);
         self.seen.entry(slot).or_default().enclosed += integer_width::check(&self.run, p, exact, about);
         assert_eq!(self.run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
@@ -297,6 +300,10 @@ impl Visitor for Checker<'_, '_> {
         if let Some(sign) = certain(value, pair_bound) {
             assert_eq!(sign, exact, "bound of the pair, slot {slot}, {about}");
             seen.by_pair_bound += 1;
+        }
+        if let Some(sign) = self.run.sign_by_parts(p, value) {
+            assert_eq!(sign, exact, "sizes of parts, slot {slot}, {about}");
+            seen.by_parts += 1;
         }
         let balls: OnceCell<Scales<Ball>> = OnceCell::new();
         let ball_view =
@@ -490,13 +497,14 @@ fn prove_no_wrong_sign(rounds: usize) {
         );
         assert!(seen.signs[0] > 0 && seen.signs[2] > 0, "slot {slot}: signs seen {:?}", seen.signs);
     }
+    parts::check_use(&seen);
     let mut enclosed = integer_width::Seen::default();
     seen.values().for_each(|seen| enclosed += seen.enclosed);
     enclosed.check();
     let ties: u64 = seen.values().map(|s| s.signs[1]).sum();
     assert!(ties > 0);
     // Polynomials that share a slot by mistake would share its bound, which is too small for one of them.
-    assert_eq!(seen.len(), SLOTS);
+    assert_eq!(seen.len(), SIGN_SLOTS);
 }
 
 #[test]
@@ -583,4 +591,9 @@ fn polynomials_have_the_degree_they_say() {
     degree.check(&NormalsAgree { first, second });
     degree.check(&NormalsWithin { first, second });
     degree.check(&EdgeAlongNormal { edge: (Side::A, EdgeId(2)), face });
+    degree.check(&PlaneSize { entrance: first });
+    degree.check(&PlaneSize { entrance: second });
+    degree.check(&WedgeSize(inward));
+    degree.check(&EdgeSize { edge });
+    degree.check(&CornerHeight { edge, corner: far });
 }

@@ -1,5 +1,6 @@
 //! The whole classification of a pair: rough phase, the four tests with both roles, one exit.
 
+use super::certified_reject::CertainPlace;
 use super::culling::{CullingDistances, NearFeatures};
 use super::entrance::{Candidate, Planes};
 use super::exit::ExitCandidate;
@@ -187,16 +188,20 @@ impl<O: Observer> Classification<'_, '_, O> {
         let reject = self.edges_reject();
         for &i in &a.edges {
             for &j in &b.edges {
-                if !self.edges_out_of_reach(i, j, distance)
-                    && !self.edges_certainly_fail(&reject, i, j)
-                    && let Some(candidate) = self.edge_edge(i, j)
+                if self.edges_out_of_reach(i, j, distance) {
+                    continue;
+                }
+                let feet = self.edges_certainly_fail(&reject, i, j);
+                if feet != CertainPlace::Outside
+                    && let Some(candidate) = self.edge_edge(i, j, feet)
                 {
                     found.push(exit_candidate(ContactKey::EdgeEdge(i, j), candidate));
                 }
             }
         }
         for (i, j) in self.kept_edges_beyond(a, b, distance) {
-            found.extend(self.edge_edge(i, j).map(|candidate| exit_candidate(ContactKey::EdgeEdge(i, j), candidate)));
+            let candidate = self.edge_edge(i, j, CertainPlace::Unknown);
+            found.extend(candidate.map(|candidate| exit_candidate(ContactKey::EdgeEdge(i, j), candidate)));
         }
     }
 }

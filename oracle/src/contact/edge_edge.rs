@@ -1,5 +1,6 @@
 //! Test 4: crossing e-e.
 
+use super::certified_reject::CertainPlace;
 use super::entrance::Candidate;
 use super::no_overlap::about_edges;
 use crate::classification::{Classification, Observer};
@@ -11,12 +12,17 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether two convex edges cross and touch.
     ///
     /// Not nearly parallel, the feet of the common perpendicular strictly inside both, no endpoint in the territory of
-    /// the other edge or its ends, `h ≤ s`, not too deep, and the wedges pass.
-    pub(crate) fn edge_edge(&mut self, edge_a: EdgeId, edge_b: EdgeId) -> Option<Candidate> {
+    /// the other edge or its ends, `h ≤ s`, not too deep, and the wedges pass. `feet` is what is known of the feet.
+    pub(crate) fn edge_edge(&mut self, edge_a: EdgeId, edge_b: EdgeId, feet: CertainPlace) -> Option<Candidate> {
         if !(self.edge_is_convex(Side::A, edge_a) && self.edge_is_convex(Side::B, edge_b)) {
             return None;
         }
-        if self.nearly_parallel(edge_a, edge_b) || !self.feet_inside(edge_a, edge_b) {
+        if self.nearly_parallel(edge_a, edge_b) {
+            return None;
+        }
+        if feet == CertainPlace::Inside {
+            self.cascade.levels.float += 4;
+        } else if !self.feet_inside(edge_a, edge_b) {
             return None;
         }
         let sigma = self.orientation(edge_a, edge_b);

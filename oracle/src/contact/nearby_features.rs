@@ -6,6 +6,7 @@
 #[cfg(test)]
 mod tests;
 
+use super::certified_reject::CertainPlace;
 use super::classify::{Answer, exit_candidate};
 use super::entrance::Planes;
 use super::exit::ExitCandidate;
@@ -139,7 +140,7 @@ impl<O: Observer> Classification<'_, '_, O> {
                 ContactKey::VertexVertex(a, b) => self.vertex_vertex(a, b, planes),
                 ContactKey::VertexEdge(v, e) => self.vertex_edge((Side::A, v), (Side::B, e), planes),
                 ContactKey::EdgeVertex(e, v) => self.vertex_edge((Side::B, v), (Side::A, e), planes),
-                ContactKey::EdgeEdge(a, b) => self.edge_edge(a, b),
+                ContactKey::EdgeEdge(a, b) => self.edge_edge(a, b, CertainPlace::Unknown),
                 ContactKey::VertexFace(v, f) => {
                     faces.push((Side::A, v, f));
                     None
@@ -195,7 +196,9 @@ impl<O: Observer> Classification<'_, '_, O> {
         }
         for key in edges {
             if let ContactKey::EdgeEdge(a, b) = key {
-                found.extend(self.edge_edge(a, b).map(|candidate| exit_candidate(key, candidate)));
+                found.extend(
+                    self.edge_edge(a, b, CertainPlace::Unknown).map(|candidate| exit_candidate(key, candidate)),
+                );
             }
         }
     }

@@ -3,12 +3,13 @@
 
 use super::entrance::Candidate;
 use crate::classification::{Classification, Observer};
+use crate::number::Approx;
 use crate::predicate::{
     DipLimit, Edge, EdgeAbovePlane, EdgeDipAngle, EdgeDipDepth, Face, InwardAcross, Orientation, ParallelAngle,
-    ParallelReach, Vertex, WedgeDipAngle, WedgeDipDepth,
+    ParallelReach, Vertex, WedgeDipAngle, WedgeDipDepth, across,
 };
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{EdgeId, Entrance, Sign};
+use rockproof_model::{EdgeId, Entrance, Sign, Vec3};
 
 /// The answer of a no-overlap check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +53,7 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Whether `e·N ≥ 0`; **a tie says yes**.
+    #[inline(always)]
     fn edge_rises(&mut self, vertex: Vertex, edge: EdgeId, face: Face) -> bool {
         self.sign(&EdgeAbovePlane { vertex, edge, face }).is_at_least_zero()
     }
@@ -92,8 +94,9 @@ impl<O: Observer> Classification<'_, '_, O> {
         let passes = self.decide(
             || about_edges(Predicate::WedgesPass, edge_a, edge_b),
             |run| {
+                let across = across(&run.float_view(), edge_a, edge_b);
                 inwards_across(edge_a, edge_b).into_iter().all(|inward| {
-                    let rises = run.wedge_face_rises(&inward, sigma);
+                    let rises = run.wedge_face_rises(&inward, &across, sigma);
                     dips |= !rises;
                     rises || run.wedge_dip_passes(inward)
                 })
@@ -103,9 +106,11 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     /// Whether a face at one of the edges stays on its own block's side: `n·m ≥ 0` for A's, `n·m ≤ 0` for B's;
-    /// **a tie says yes**.
-    fn wedge_face_rises(&mut self, inward: &InwardAcross, sigma: Sign) -> bool {
-        let towards_a = self.sign(inward).times(sigma);
+    /// **a tie says yes**. `across` is `d₁ × d₂` in f64.
+    #[inline]
+    fn wedge_face_rises(&mut self, inward: &InwardAcross, across: &Vec3<Approx>, sigma: Sign) -> bool {
+        let value = inward.value_along(&self.float_view(), across).0;
+        let towards_a = self.sign_of_value(inward, value).times(sigma);
         let outwards = if inward.side == Side::A { towards_a } else { towards_a.reversed() };
         outwards.is_at_least_zero()
     }
@@ -141,9 +146,13 @@ impl<O: Observer> Classification<'_, '_, O> {
             |run| match entrance {
                 Entrance::VertexFace(vertex, face) => run.cone_leaves((Side::A, vertex), (Side::B, face)),
                 Entrance::FaceVertex(face, vertex) => run.cone_leaves((Side::B, vertex), (Side::A, face)),
-                Entrance::EdgeEdge(edge_a, edge_b) => inwards_across(edge_a, edge_b).into_iter().all(|inward| {
-                    run.wedge_face_rises(&inward, candidate.turn) || run.wedge_dips_within(inward, DipLimit::TrueExit)
-                }),
+                Entrance::EdgeEdge(edge_a, edge_b) => {
+                    let across = across(&run.float_view(), edge_a, edge_b);
+                    inwards_across(edge_a, edge_b).into_iter().all(|inward| {
+                        run.wedge_face_rises(&inward, &across, candidate.turn)
+                            || run.wedge_dips_within(inward, DipLimit::TrueExit)
+                    })
+                }
             },
         )
     }

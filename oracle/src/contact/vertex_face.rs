@@ -1,5 +1,6 @@
 //! Test 3: v-f, and f-v with the roles exchanged.
 
+use super::certified_reject::CertainPlace;
 use super::entrance::Candidate;
 use crate::classification::{Classification, Observer};
 use crate::predicate::{Face, InwardOf, LengthTolerance, NormalComponent, PolygonHeight, Vertex};
@@ -21,6 +22,11 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// `h ≤ s`, not too deep, the projection strictly inside the polygon, the vertex in no territory of the face's vertices and
     /// edges, and its cone passes the plane.
     pub(crate) fn vertex_face(&mut self, vertex: Vertex, face: Face) -> Option<Candidate> {
+        // Most vertices are beside the face.
+        let place = self.place_in_face(vertex, face);
+        if place == CertainPlace::Outside {
+            return None;
+        }
         let candidate = self.face_candidate(vertex, face.1);
         let features = [Feature::Vertex(vertex.0, vertex.1), Feature::Face(face.0, face.1)];
         let near = self.decide(
@@ -29,7 +35,7 @@ impl<O: Observer> Classification<'_, '_, O> {
         ) && self.not_too_deep(contact_of(vertex, face), &candidate, || {
             Decision::about(Predicate::VertexFaceDepth, &features)
         });
-        if !near || !self.inside_face(vertex, face) {
+        if !near || !(place == CertainPlace::Inside || self.inside_face(vertex, face)) {
             return None;
         }
         // What is cheaper to ask goes first, but where decisions are recorded in the order of SPEC.

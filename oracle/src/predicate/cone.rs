@@ -72,7 +72,7 @@ impl Polynomial for EdgeDipDepth {
     }
     fn value<V: View>(&self, view: &V) -> V::T {
         let (e, n) = (view.direction(self.edge.0, self.edge.1), view.normal(self.face.0, self.face.1));
-        let (limit, unit) = self.limit.squared(view);
+        let (limit, unit) = self.limit.squared(view.scales());
         limit.times(&n.norm_squared()).minus(&unit.times(&e.dot(&n).squared()))
     }
 }

@@ -1,6 +1,7 @@
 //! Gaps of entrance planes, their limits and their order.
 
 use super::*;
+use crate::number::Bound;
 
 /// The gap of a plane, unnormalised: `P = h·√Q`.
 ///
@@ -24,9 +25,12 @@ pub(crate) fn edges_plane<V: View>(view: &V, edge_a: EdgeId, edge_b: EdgeId) -> 
 
 #[inline(always)]
 fn face_plane<V: View>(view: &V, vertex: Vertex, face: Face) -> (V::T, V::T) {
-    let n = view.normal(face.0, face.1);
-    let count = view.loop_length(face.0, face.1);
-    (plane_value(view, vertex, face), count.squared().times(&n.norm_squared()))
+    (plane_value(view, vertex, face), face_plane_size(view, face))
+}
+
+#[inline(always)]
+fn face_plane_size<V: View>(view: &V, face: Face) -> V::T {
+    view.loop_length(face.0, face.1).squared().times(&view.normal(face.0, face.1).norm_squared())
 }
 
 /// `P` of the plane of a face.
@@ -129,8 +133,7 @@ pub(crate) enum Factor {
 }
 
 impl Factor {
-    fn of<V: View>(self, view: &V) -> V::T {
-        let scales = view.scales();
+    fn of<T: Ring>(self, scales: &Scales<T>) -> T {
         match self {
             Factor::One => scales.whole.clone(),
             Factor::OneMinusEqual => scales.whole.minus(&scales.equal),
@@ -157,14 +160,66 @@ impl Polynomial for LargerGap {
         (kind_of(&self.first) * 3 + kind_of(&self.second)) * 3 + self.factor as usize
     }
     fn value<V: View>(&self, view: &V) -> V::T {
-        let ((p1, q1), (p2, q2)) = (plane(view, &self.first), plane(view, &self.second));
-        let whole = view.scales().whole.squared();
-        let factor = self.factor.of(view).squared();
-        whole.times(&p1.squared().times(&q2)).minus(&factor.times(&p2.squared().times(&q1)))
+        self.of_planes(plane(view, &self.first), plane(view, &self.second), view.scales())
     }
     fn ties_with(&self, tolerances: &ToleranceSet) -> Option<EqualGaps> {
         let factor_is_one = self.factor == Factor::One || tolerances.equal.is_zero();
         factor_is_one.then_some(EqualGaps { first: self.first, second: self.second })
+    }
+    fn error_by_parts(&self, parts: &Parts<'_, '_, '_>) -> Option<f64> {
+        Some(
+            self.of_planes(bounds_of_plane(parts, &self.first), bounds_of_plane(parts, &self.second), &parts.scales())
+                .error,
+        )
+    }
+}
+
+impl LargerGap {
+    #[inline(always)]
+    fn of_planes<T: Ring>(&self, (p1, q1): (T, T), (p2, q2): (T, T), scales: &Scales<T>) -> T {
+        let whole = scales.whole.squared();
+        let factor = self.factor.of(scales).squared();
+        whole.times(&p1.squared().times(&q2)).minus(&factor.times(&p2.squared().times(&q1)))
+    }
+}
+
+/// `P` and `Q` of a plane as parts of a value.
+#[inline]
+fn bounds_of_plane(parts: &Parts<'_, '_, '_>, entrance: &Entrance) -> (Bound, Bound) {
+    let size = parts.of(&PlaneSize { entrance: *entrance });
+    let height = match *entrance {
+        Entrance::VertexFace(vertex, face) => {
+            parts.of(&AbovePlane { vertex: (Side::A, vertex), face: (Side::B, face) })
+        }
+        Entrance::FaceVertex(face, vertex) => {
+            parts.of(&AbovePlane { vertex: (Side::B, vertex), face: (Side::A, face) })
+        }
+        Entrance::EdgeEdge(edge_a, edge_b) => parts.of(&EdgesApart { edge_a, edge_b }),
+    };
+    (height, size)
+}
+
+/// `Q` of a plane, a part of [`LargerGap`] by which none is decided.
+pub(crate) struct PlaneSize {
+    pub(crate) entrance: Entrance,
+}
+
+impl Polynomial for PlaneSize {
+    const FIRST_SLOT: usize = after::<EdgeAlongNormal>();
+    const VARIANTS: usize = 3;
+    const DEGREE: usize = 4;
+    const WITHIN_BLOCKS: bool = true;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        kind_of(&self.entrance)
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        match self.entrance {
+            Entrance::VertexFace(_, face) => face_plane_size(view, (Side::B, face)),
+            Entrance::FaceVertex(face, _) => face_plane_size(view, (Side::A, face)),
+            Entrance::EdgeEdge(edge_a, edge_b) => across(view, edge_a, edge_b).norm_squared(),
+        }
     }
 }
 

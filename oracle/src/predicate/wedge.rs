@@ -138,6 +138,13 @@ impl InwardAcross {
             Side::B => (Side::B, self.edge_b),
         }
     }
+
+    /// The value for `n = d₁ × d₂`.
+    #[inline(always)]
+    pub(crate) fn value_along<V: View>(&self, view: &V, n: &Vec3<V::T>) -> V::T {
+        let edge = self.edge();
+        n.dot(&view.inward(edge.0, edge.1, self.right))
+    }
 }
 
 impl Polynomial for InwardAcross {
@@ -153,8 +160,7 @@ impl Polynomial for InwardAcross {
     }
     #[inline(always)]
     fn value<V: View>(&self, view: &V) -> V::T {
-        let edge = self.edge();
-        across(view, self.edge_a, self.edge_b).dot(&view.inward(edge.0, edge.1, self.right))
+        self.value_along(view, &across(view, self.edge_a, self.edge_b))
     }
     #[inline(always)]
     fn as_edge_along_normal(&self, pair: &Pair<'_>) -> Option<AsEdgeAlongNormal> {
@@ -185,12 +191,17 @@ impl Polynomial for WedgeDipAngle {
         self.0.variant()
     }
     fn value<V: View>(&self, view: &V) -> V::T {
-        let edge = self.0.edge();
-        let n = across(view, self.0.edge_a, self.0.edge_b);
-        let m = view.inward(edge.0, edge.1, self.0.right);
-        let scales = view.scales();
-        let allowed = scales.overlap.squared().times(&n.norm_squared()).times(&m.norm_squared());
-        allowed.minus(&scales.one.squared().times(&n.dot(&m).squared()))
+        self.of_parts(WedgeSize(self.0).value(view), self.0.value(view), view.scales())
+    }
+    fn error_by_parts(&self, parts: &Parts<'_, '_, '_>) -> Option<f64> {
+        Some(self.of_parts(parts.of(&WedgeSize(self.0)), parts.of(&self.0), &parts.scales()).error)
+    }
+}
+
+impl WedgeDipAngle {
+    #[inline(always)]
+    fn of_parts<T: Ring>(&self, size: T, along: T, scales: &Scales<T>) -> T {
+        scales.overlap.squared().times(&size).minus(&scales.one.squared().times(&along.squared()))
     }
 }
 
@@ -213,13 +224,93 @@ impl Polynomial for WedgeDipDepth {
     }
     fn value<V: View>(&self, view: &V) -> V::T {
         let edge = self.inward.edge();
-        let n = across(view, self.inward.edge_a, self.inward.edge_b);
-        let m = view.inward(edge.0, edge.1, self.inward.right);
-        let d = view.direction(edge.0, edge.1);
-        let height = view.between(start(view, edge), (edge.0, self.corner)).cross(&d).norm_squared();
-        let (limit, unit) = self.limit.squared(view);
-        let size = n.norm_squared().times(&m.norm_squared()).times(&d.norm_squared());
-        let dip = n.dot(&m).squared().times(&height);
-        limit.times(&size).minus(&unit.times(&dip))
+        self.of_parts(
+            WedgeSize(self.inward).value(view),
+            EdgeSize { edge }.value(view),
+            self.inward.value(view),
+            CornerHeight { edge, corner: self.corner }.value(view),
+            view.scales(),
+        )
+    }
+    fn error_by_parts(&self, parts: &Parts<'_, '_, '_>) -> Option<f64> {
+        let edge = self.inward.edge();
+        let error = self.of_parts(
+            parts.of(&WedgeSize(self.inward)),
+            parts.of(&EdgeSize { edge }),
+            parts.of(&self.inward),
+            parts.of(&CornerHeight { edge, corner: self.corner }),
+            &parts.scales(),
+        );
+        Some(error.error)
+    }
+}
+
+impl WedgeDipDepth {
+    #[inline(always)]
+    fn of_parts<T: Ring>(&self, size: T, edge: T, along: T, height: T, scales: &Scales<T>) -> T {
+        let (limit, unit) = self.limit.squared(scales);
+        limit.times(&size.times(&edge)).minus(&unit.times(&along.squared().times(&height)))
+    }
+}
+
+/// `|n|²|m|²`, a part of [`WedgeDipAngle`] and [`WedgeDipDepth`] by which none is decided.
+pub(crate) struct WedgeSize(pub(crate) InwardAcross);
+
+impl Polynomial for WedgeSize {
+    const FIRST_SLOT: usize = after::<PlaneSize>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 10;
+    const WITHIN_BLOCKS: bool = true;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        self.0.variant()
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let edge = self.0.edge();
+        let n = across(view, self.0.edge_a, self.0.edge_b);
+        n.norm_squared().times(&view.inward(edge.0, edge.1, self.0.right).norm_squared())
+    }
+}
+
+/// `|d|²`, a part of [`WedgeDipDepth`] by which none is decided.
+pub(crate) struct EdgeSize {
+    pub(crate) edge: Edge,
+}
+
+impl Polynomial for EdgeSize {
+    const FIRST_SLOT: usize = after::<WedgeSize>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 2;
+    const WITHIN_BLOCKS: bool = true;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        side_of(self.edge.0)
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        view.direction(self.edge.0, self.edge.1).norm_squared()
+    }
+}
+
+/// `|(w − p) × d|²` for a vertex w of the edge's block, likewise.
+pub(crate) struct CornerHeight {
+    pub(crate) edge: Edge,
+    pub(crate) corner: VertexId,
+}
+
+impl Polynomial for CornerHeight {
+    const FIRST_SLOT: usize = after::<EdgeSize>();
+    const VARIANTS: usize = 2;
+    const DEGREE: usize = 4;
+    const WITHIN_BLOCKS: bool = true;
+    #[inline(always)]
+    fn variant(&self) -> usize {
+        side_of(self.edge.0)
+    }
+    #[inline(always)]
+    fn value<V: View>(&self, view: &V) -> V::T {
+        let direction = view.direction(self.edge.0, self.edge.1);
+        view.between(start(view, self.edge), (self.edge.0, self.corner)).cross(&direction).norm_squared()
     }
 }

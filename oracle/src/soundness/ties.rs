@@ -7,7 +7,7 @@ use crate::field::Field;
 use crate::levels::LevelCounts;
 use crate::number::Ball;
 use crate::pair::Pair;
-use crate::predicate::{Polynomial, SLOTS};
+use crate::predicate::{Polynomial, SIGN_SLOTS};
 use crate::prepared_block::PreparedBlock;
 use crate::sign_cascade::SignCascade;
 use crate::view::{BallView, ExactBlock, ExactPair, ExactView, FloatView, LazyScales, Scales};
@@ -190,7 +190,8 @@ impl Solver<'_> {
     /// Holds that each level that can say it, and the cascade, say what fractions say; the level that integers took, and whether balls
     /// know the sign.
     fn check<P: Polynomial>(&self, p: &P, numbers: &Numbers, shift: u32) -> (Sign, usize, bool) {
-        let exact = ExactRing::sign(&numbers.value(self.shapes, p));
+        let value = numbers.value(self.shapes, p);
+        let exact = ExactRing::sign(&value);
         let ([a, b], t) = numbers.given(self.shapes, shift);
         let pair = Pair::new(&a, &b);
         let slot = P::FIRST_SLOT + p.variant();
@@ -207,6 +208,7 @@ impl Solver<'_> {
         for time in 1..=2 {
             assert_eq!(run.sign(p), exact, "the cascade, slot {slot}, time {time}, {about}");
         }
+        super::parts::check_error(&run, p, &(value / (BigInt::one() << (shift * P::DEGREE as u32))), &about);
         let floats = Scales::approximate(&t);
         let balls = p.value(&BallView {
             floats: FloatView { a: &a, b: &b, scales: &floats },
@@ -343,7 +345,7 @@ fn draw(dice: &mut Dice) -> ([Block; 2], Numbers) {
 #[test]
 fn every_level_decides_solved_ties_and_what_is_a_last_place_beside_them() {
     let mut dice = Dice(3);
-    let mut seen = vec![Seen::default(); SLOTS];
+    let mut seen = vec![Seen::default(); SIGN_SLOTS];
     for _ in 0..400 {
         let (shapes, numbers) = draw(&mut dice);
         let ([a, b], _) = numbers.given(&shapes, 0);
