@@ -183,10 +183,11 @@ struct Seen {
 
 impl std::ops::AddAssign for Seen {
     fn add_assign(&mut self, other: Seen) {
-        let Seen { signs, by_unit_bound, by_pair_bound, by_ball, by_double, enclosed } = other;
+        let Seen { signs, by_unit_bound, by_pair_bound, by_parts, by_ball, by_double, enclosed } = other;
         self.signs.iter_mut().zip(signs).for_each(|(sum, count)| *sum += count);
         self.by_unit_bound += by_unit_bound;
         self.by_pair_bound += by_pair_bound;
+        self.by_parts += by_parts;
         self.by_ball += by_ball;
         self.by_double += by_double;
         self.enclosed += enclosed;
