@@ -233,9 +233,11 @@ fn told((found, missed): &(Vec<(u64, &'static str, String)>, Vec<&'static str>))
 #[test]
 fn mistakes_in_the_iteration_are_found() {
     let config = CampaignConfig { steps_every: 1, steps: 2, ..CampaignConfig::default() };
-    let outcome = found(&config, if cfg!(debug_assertions) { 14 } else { 14 * 8 });
+    // Those that are found are found within 18 batches; more would ask every pair of them about the same few that are not.
+    let (batches, least) = if cfg!(debug_assertions) { (14, 16) } else { (14 * 2, 43) };
+    let outcome = found(&config, batches);
     told(&outcome);
-    assert!(outcome.0.len() >= 16, "{outcome:?}");
+    assert!(outcome.0.len() >= least, "{outcome:?}");
 }
 
 #[test]

@@ -118,10 +118,7 @@ pub fn mark(severity: Severity) -> char {
 
 /// What a model called safe was not tried in, so that nobody takes little for much.
 fn untried(given: &Assessment) -> &'static str {
-    match &given.steps {
-        Steps::Skipped(_) => ", but no step was made",
-        Steps::Made(_) => "",
-    }
+    if given.steps.made().is_none() { ", but no step was made" } else { "" }
 }
 
 /// Why there was no contact to be wrong.
@@ -315,9 +312,8 @@ fn thin(found: &Examination) -> Option<Line> {
 
 fn warning(warning: &Warning) -> Line {
     let by = warning.block.map_or(String::new(), |block| format!(" (block {block})"));
-    let [found, allowed] = [warning.found, warning.allowed].map(short);
-    let (kind, remedy) = (warning.kind, &warning.remedy);
-    let text = format!("{}: found {found}, allowed {allowed}{by}: use {remedy}", kind.title());
+    let ([found, allowed], kind) = ([warning.found, warning.allowed].map(short), warning.kind);
+    let text = format!("{}: found {found}, allowed {allowed}{by}: use {}", kind.title(), warning.remedy);
     line(kind.name(), Severity::Fair, text)
 }
 

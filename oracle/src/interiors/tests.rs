@@ -110,7 +110,7 @@ fn pairs(random: &mut Random, count: usize) -> Vec<(Block, Block)> {
 }
 
 /// Pairs with planar faces, and with bent ones; cells take long.
-const PAIRS: [usize; 2] = if cfg!(debug_assertions) { [24, 3] } else { [120, 6] };
+const PAIRS: [usize; 2] = if cfg!(debug_assertions) { [24, 3] } else { [120, 4] };
 
 #[test]
 fn surfaces_say_what_convex_cells_say_of_blocks_with_planar_faces() {
