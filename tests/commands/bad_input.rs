@@ -314,7 +314,7 @@ fn violated_rules_exit_1_with_what_would_satisfy_them() {
     for part in [
         "rules: 1 violated\n  search ≥ 2·max_displacement\n",
         "found      5.000000e-3, allowed 1.000000e-2\n",
-        "satisfied  by search ≥ 0.01 or max_displacement ≤ 0.00249",
+        "satisfied  by search ≥ 0.0100001 or max_displacement ≤ 0.0025\n",
     ] {
         assert!(table.contains(part), "{table}");
     }

@@ -1,0 +1,143 @@
+//! Pins what is no violated rule and no overlap, and yet makes a model untrustworthy: loads of blocks above, modes that never change, units, steps that did not
+//! converge, overlaps deeper than `penetration`; and what is neither, fixed blocks that overlap.
+//!
+//! Caught: all of these were called safe, and the fixed blocks were not.
+
+use crate::examine_command::document_of;
+use crate::place::Place;
+use std::fmt::Write;
+
+/// Rigid cubes of 1 m on one another on a fixed slab, of this stiffness.
+fn tower(cubes: u32, stiffness: &str) -> String {
+    let mut text = format!(
+        "[tolerances]\npreset = \"auto\"\n[[joint]]\nnormal_stiffness = {stiffness}\n[[block]]\nfixed = true\nbox = {{ min = [-2, -2, -1], max = [3, 3, 0] }}\n"
+    );
+    for z in 0..cubes {
+        let _ = writeln!(text, "[[block]]\nmotion = \"rigid\"\nbox = {{ min = [0, 0, {z}], max = [1, 1, {}] }}", z + 1);
+    }
+    text
+}
+
+#[test]
+fn a_tower_that_sinks_through_itself_is_not_called_safe() {
+    let place = Place::new();
+    place.file("tower.toml", &tower(20, "110000"));
+    let (code, out, err) = place.run(&["check", "tower.toml"]);
+    let warning = "warning: a block may sink deeper than penetration under those above it";
+    assert!(code == 0 && out.contains(warning) && out.contains("by block 1\n"), "{out}{err}");
+    let (code, out, err) = place.run(&["examine", "tower.toml", "--no-tune", "--out", "soft"]);
+    assert!(code == 1 && out.starts_with("not decided: a block may sink deeper than penetration"), "{out}{err}");
+    // 20 · 2600 · 9.81 N on four contacts.
+    assert!(out.contains("i load       a block may sink deeper than penetration under those above it: found 1.159, allowed 0.0625 (block 1)"), "{out}");
+    assert_eq!(document_of(&place, "soft")["given"]["warnings"][0]["about"], "load");
+    // As stiff as it says.
+    let needed = out.split("normal_stiffness ≥ ").nth(2).and_then(|rest| rest.split(' ').next()).expect("a remedy");
+    place.file("tower.toml", &tower(20, needed));
+    let (code, out, err) = place.run(&["examine", "tower.toml", "--no-tune", "--out", "stiff"]);
+    assert!(code == 0 && !out.contains("i load"), "{needed}: {out}{err}");
+}
+
+#[test]
+fn modes_that_never_change_are_not_called_safe() {
+    let place = Place::new();
+    place.file("two.toml", &tower(1, "1e9"));
+    for (set, about) in [("close=1/20", "close"), ("open=1e9", "open"), ("equal=1", "equal")] {
+        let (code, out, err) = place.run(&["examine", "two.toml", "--no-tune", "--set", set, "--out", about]);
+        assert!(code == 1 && out.starts_with("not decided: "), "{out}{err}");
+        assert!(out.contains(&format!("  i {about:<10} ")) && out.contains("next: rockproof check"), "{out}");
+    }
+}
+
+#[test]
+fn steps_that_did_not_converge_are_counted() {
+    let place = Place::new();
+    let mut scene = tower(0, "1e12").replace("= 1e12", "= 1e12\nfriction = \"1/10\"");
+    scene += "[simulation]\ntime_step = \"1/10\"\nunconverged = \"accept\"\ngravity = [3, 2, -9]\n";
+    for (block, motion) in [
+        ("[0, 0, 0], max = [1, 1, 3]", "spin = [1, 0, 1]"),
+        ("[0, 0, 3], max = [1, 1, 4]", "velocity = [1, 0, -1]"),
+        ("[1, 0, 0], max = [2, 1, 3]", "velocity = [-1, 1, 0]"),
+    ] {
+        let _ = writeln!(scene, "[[block]]\nbox = {{ min = {block} }}\n{motion}");
+    }
+    place.file("fast.toml", &scene);
+    let (_, out, err) = place.run(&["examine", "fast.toml", "--no-tune", "--out", "fast"]);
+    let count = document_of(&place, "fast")["given"]["steps"]["unconverged"].as_u64().expect("a count");
+    assert!(count > 0, "{out}{err}");
+    assert!(
+        out.contains(&format!("  i steps      5 made, {count} of them taken though the iteration had not converged")),
+        "{out}"
+    );
+}
+
+#[test]
+fn fixed_blocks_may_overlap() {
+    let place = Place::new();
+    let base = |low: i32, high: i32| {
+        format!("[[block]]\nfixed = true\nbox = {{ min = [{low}, -2, -1], max = [{high}, 3, 0] }}\n")
+    };
+    let cube = "[[block]]\nbox = { min = [1, 0, 0], max = [2, 1, 1] }\n";
+    place.file("bases.toml", &(base(-2, 1) + &base(0, 3) + cube));
+    let (code, out, err) = place.run(&["check", "bases.toml"]);
+    assert!(code == 0 && out.contains("overlaps: none in "), "{out}{err}");
+    let (code, out, err) = place.run(&["simulate", "bases.toml", "--steps", "3", "--audit"]);
+    assert!(code == 0, "{out}{err}");
+    // One of them free, it is lost.
+    place.file("free.toml", &(base(-2, 1) + &base(0, 3).replace("fixed = true", "") + cube));
+    let (code, out, err) = place.run(&["check", "free.toml"]);
+    assert!(
+        code == 1 && out.contains("overlap deeper than penetration") | out.contains("overlaps deeper than penetration"),
+        "{out}{err}"
+    );
+}
+
+#[test]
+fn bricks_in_millimetres_are_doubted_and_a_wrong_factor_does_not_help() {
+    let place = Place::new();
+    let brick = |z: i32| format!("[[block]]\nbox = {{ min = [0, 0, {z}], max = [240, 115, {}] }}\n", z + 71);
+    place.file("bricks.toml", &(brick(0) + &brick(71) + &brick(142)));
+    assert_eq!(place.run(&["convert", "bricks.toml", "bricks.obj"]).0, 0);
+    for (scale, is_doubted) in [(None, true), (Some("1000"), true), (Some("1/1000"), false), (Some("1"), false)] {
+        let scale: Vec<&str> = scale.into_iter().flat_map(|factor| ["--scale", factor]).collect();
+        let arguments = [&["examine", "bricks.obj", "--no-tune", "--overwrite", "--out", "out"][..], &scale].concat();
+        let (code, out, err) = place.run(&arguments);
+        assert_eq!(
+            (code, out.contains("the units are in doubt")),
+            (i32::from(is_doubted), is_doubted),
+            "{scale:?}: {out}{err}"
+        );
+    }
+}
+
+#[test]
+fn overlaps_deeper_than_penetration_are_told_and_not_called_good() {
+    let place = Place::new();
+    let mut scene = tower(0, "1e9").replace("[[joint]]\nnormal_stiffness = 1e9\n", "");
+    scene += "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n[simulation]\ntime_step = \"1/100\"\n\
+              [[load]]\nblock = 1\nat = [\"1/2\", \"1/2\", 1]\ntable = [[0, 0, 0, 0], [\"1/10\", 0, 0, 0], [\"2/10\", 0, 0, -1e11]]\n";
+    place.file("pressed.toml", &scene);
+    let (code, out, err) = place.run(&["simulate", "pressed.toml", "--steps", "40", "--audit", "--out", "run"]);
+    assert!(code == 0 && out.contains("; deeper than penetration after "), "{out}{err}");
+    let (_, out, err) = place.run(&["report", "run", "--format", "markdown"]);
+    assert!(out.contains("deeper than penetration") && !out.contains("✅ run"), "{out}{err}");
+}
+
+/// The decimals that a remedy is written in, not the f64 that it was calculated in.
+#[test]
+fn what_a_rule_says_would_satisfy_it_does() {
+    let place = Place::new();
+    let cases = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/real/slope_joints.dda");
+    let violated = |set: &[&str]| {
+        let (_, out, _) = place.run(&[&["check", cases, "--tolerances", "shi"][..], set].concat());
+        (out.contains("penetration ≥ max_displacement\n    found"), out)
+    };
+    let (is_violated, out) = violated(&[]);
+    assert!(is_violated, "{out}");
+    let remedies =
+        out.split("satisfied  by penetration ≥ ").nth(1).and_then(|rest| rest.lines().next()).expect("a remedy");
+    let (more, less) = remedies.split_once(" or max_displacement ≤ ").expect("two remedies");
+    for set in [format!("penetration={more}"), format!("max_displacement={less}")] {
+        let (is_violated, out) = violated(&["--set", &set]);
+        assert!(!is_violated, "{set}: {out}");
+    }
+}
