@@ -210,8 +210,10 @@ impl Campaign<'_> {
         let known: BTreeSet<(u64, &str)> = found.first.keys().map(|place| (place.index, place.set.as_str())).collect();
         let others = |part: u64| {
             let batches = (part * OTHERS_OF_PART..(part + 1) * OTHERS_OF_PART).filter_map(|n| spread(n, OTHERS, all));
-            let batches: Vec<u64> = if stopped() { Vec::new() } else { batches.collect() };
-            batches.into_par_iter().flat_map_iter(|number| self.others(engine, number, &known)).collect()
+            let batches: Vec<u64> = batches.collect();
+            let is_over = batches.is_empty() || stopped();
+            let questions = || batches.into_par_iter().flat_map_iter(|number| self.others(engine, number, &known));
+            (!is_over).then(|| questions().collect())
         };
         diagnose(engine.name(), &sample, &|blocks, tolerances| ask(engine, blocks, tolerances), &others)
     }

@@ -5,8 +5,8 @@ use super::judge::{Asking, is_excused};
 use super::question::{PreparedBlocks, PreparedQuestion, Question};
 use rayon::prelude::*;
 
-/// More questions of the campaign, a part of them at a time, the first being part 0; not asked yet, so without a reply. None of a part after the last.
-pub type OtherQuestions<'a> = &'a (dyn Fn(u64) -> Vec<Question> + Sync);
+/// More questions of the campaign, a part of them at a time, the first being part 0; not asked yet, so without a reply. `None` after the last part.
+pub type OtherQuestions<'a> = &'a (dyn Fn(u64) -> Option<Vec<Question>> + Sync);
 
 /// Questions asked for one hypothesis, and for all together, at most.
 const ASKED_FOR_ONE: usize = 64;
@@ -32,10 +32,10 @@ pub(super) fn contradictions(
     for part in 0.. {
         let open: Vec<usize> =
             (0..hypotheses.len()).filter(|&at| found.against[at] == 0 && asked_for[at] < ASKED_FOR_ONE).collect();
-        let questions = others(part);
-        if questions.is_empty() || open.is_empty() || asked >= ASKED {
+        if open.is_empty() || asked >= ASKED {
             break;
         }
+        let Some(questions) = others(part) else { break };
         let doubted: Vec<Vec<usize>> =
             questions.par_iter().map(|question| doubting(question, hypotheses, &open)).collect();
         let mut chosen: Vec<(Question, Vec<usize>)> = Vec::new();
