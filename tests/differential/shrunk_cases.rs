@@ -5,8 +5,8 @@ use rockproof_campaign::engines::Engines;
 use rockproof_campaign::shrink::Shrinker;
 use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin::BuiltinOracle;
-use rockproof_differential::case_file::Case;
-use rockproof_differential::engine::{Engine, EngineFailure, Prepared, Trace, WideAnswer};
+use rockproof_differential::case_file::{Case, contact_rows};
+use rockproof_differential::engine::{Engine, EngineFailure, Oracle, Prepared, Trace, WideAnswer};
 use rockproof_differential::finding::Cause;
 use rockproof_model::preset::{self, Preset};
 use rockproof_model::{Block, Contact, Number, Precision, ToleranceSet, Vec3};
@@ -105,6 +105,9 @@ fn the_case_of_an_engine_that_answers_otherwise_each_time_can_be_read() {
         let before = features(&whole);
         let small = Shrinker::new(&panel, 5000).shrink(whole);
         shrunk += usize::from(features(&small) != before);
+        let tolerances = small.tolerances.rounded(Precision::F64).expect("tolerances");
+        let exact = BuiltinOracle.prepare(&small.a, &small.b).pair().classify(&tolerances).contacts;
+        assert_eq!(small.about.expected, contact_rows(&exact), "wrong {wrong} times");
         let text = small.to_toml().expect("TOML");
         if let Err(error) = Case::from_toml(&text, "small".to_owned()) {
             panic!("wrong {wrong} times: {error}");
