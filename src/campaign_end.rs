@@ -19,6 +19,7 @@ use rockproof_report::load::{CampaignRun, Results};
 use rockproof_report::step_tally::WorstStep;
 use rockproof_report::tally::{FindingTally, WorstFinding};
 use rockproof_report::verdict::verdict;
+use rockproof_results::MANIFEST;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -193,6 +194,12 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
     };
     let mut out = format!("{done} in {seconds:.1} s ({speed:.0} a second), {found}{in_steps}\n");
     for (name, counts) in &progress.engines {
+        if !counts.first_repeated.is_empty() {
+            out += &format!("{name}: instead of answers it gave, among others:\n");
+            for failure in &counts.first_repeated {
+                out += &format!("  {failure}\n");
+            }
+        }
         if let Some(note) = counts.recovered_note() {
             out += &format!("{name}: {note}; engines.csv counts them\n");
             for failure in &counts.first_failures {
@@ -230,7 +237,10 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
 
 /// The commands that go on from here.
 fn next(dir: &Path, campaign: Option<&CampaignRun>, external: &[EngineSpec]) -> String {
-    let mut out = format!("next: rockproof report {}\n", quoted(&dir.display().to_string()));
+    // A report on results that were there before is discarded by what makes it anew, not by the campaign, which has no part in it.
+    let is_there = dir.join("report").join(MANIFEST).exists();
+    let again = if is_there { " --overwrite" } else { "" };
+    let mut out = format!("next: rockproof report {}{again}\n", quoted(&dir.display().to_string()));
     let mut replay = |case: &str, engine: Option<&EngineSpec>| {
         out += &format!("      {}\n", replay_command(&dir.join(case), engine));
     };

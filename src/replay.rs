@@ -111,7 +111,8 @@ impl Replay {
 
 /// Whether the pair of a case still shows its finding.
 enum Recurrence {
-    Recurs,
+    /// What the engine said in place of an answer, each text once; the answers shown beside may be right, as where it answers an earlier question.
+    Recurs(Vec<String>),
     /// What the pair shows in its place, about the same engine or the same rounding, each once.
     Gone(Vec<String>),
 }
@@ -125,8 +126,15 @@ const TOLD: usize = 4;
 impl Recurrence {
     fn of(case: &Case, engines: &Engines) -> Recurrence {
         let Some(panel) = engines.panel_of(case) else { return Recurrence::Gone(Vec::new()) };
-        if !case.findings(&panel).is_empty() {
-            return Recurrence::Recurs;
+        let found = case.findings(&panel);
+        if !found.is_empty() {
+            let mut said: Vec<String> = Vec::new();
+            for note in found.into_iter().filter_map(|finding| finding.note) {
+                if !said.contains(&note) {
+                    said.push(note);
+                }
+            }
+            return Recurrence::Recurs(said);
         }
         let mut others: Vec<String> = Vec::new();
         for finding in examine_pair(&case.subject(), &panel).findings {
@@ -140,14 +148,17 @@ impl Recurrence {
     }
 
     fn recurs(&self) -> bool {
-        matches!(self, Recurrence::Recurs)
+        matches!(self, Recurrence::Recurs(_))
     }
 }
 
 impl fmt::Display for Recurrence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Recurrence::Recurs => f.write_str("the finding recurs"),
+            Recurrence::Recurs(said) => {
+                f.write_str("the finding recurs")?;
+                said.iter().take(TOLD).try_for_each(|note| write!(f, "\n  {}", excerpt(note, NOTE_LENGTH)))
+            }
             Recurrence::Gone(others) if others.is_empty() => {
                 f.write_str("the finding does not recur: nothing differs there now")
             }
@@ -269,8 +280,12 @@ fn document(
         json!({ "between": parting.title, "decisions": decisions.collect::<Vec<_>>() })
     };
     let shown_instead: &[String] = match recurrence {
-        Recurrence::Recurs => &[],
+        Recurrence::Recurs(_) => &[],
         Recurrence::Gone(others) => others,
+    };
+    let said_again: &[String] = match recurrence {
+        Recurrence::Recurs(said) => said,
+        Recurrence::Gone(_) => &[],
     };
     json!({
         "finding": {
@@ -279,6 +294,7 @@ fn document(
             "note": about.note,
         },
         "recurs": recurrence.recurs(),
+        "said_again": said_again,
         "shown_instead": shown_instead,
         "exact_answer_as_recorded": is_expected,
         "changed_pair": changed,

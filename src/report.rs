@@ -51,6 +51,9 @@ impl Report {
         if let Some(title) = &self.title {
             report.title = escaped(title);
         }
+        for text in report.unreadable() {
+            print_note(text);
+        }
         let (name, contents) = match self.format {
             OutputFormat::Html => (PAGE, page(&report)?),
             OutputFormat::Markdown => (TEXT, markdown(&report)),

@@ -188,3 +188,23 @@ fn what_is_stopped_before_its_first_chunk_ends_has_no_verdict() {
     assert!(out.contains("No pair has been examined to its end") && !out.contains("No difference"), "{out}");
     assert!(out.contains("interrupted: 0 pairs are kept, those of the chunk under way are not"), "{out}");
 }
+
+#[test]
+fn the_report_to_come_next_can_be_made_where_there_is_one() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let out = dir.path().join("run");
+    let path = out.to_str().expect("text");
+    let next = |said: &str| {
+        let line = said.lines().find_map(|line| line.strip_prefix("next: rockproof ")).expect("a command");
+        line.split(' ').map(str::to_owned).collect::<Vec<_>>()
+    };
+    for (start, flag) in [("--resume", false), ("--overwrite", true), ("--resume", true)] {
+        let (code, said, err) = campaign(dir.path(), "run", &["--pairs", "32", "--steps-every", "0", start]);
+        assert_eq!(code, 0, "{err}");
+        let words = next(&said);
+        assert_eq!(words.contains(&"--overwrite".to_owned()), flag, "{said}");
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let (code, _, err) = rockproof(&words);
+        assert!(code == 0 && words.contains(&path), "{words:?} {err}");
+    }
+}

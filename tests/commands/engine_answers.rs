@@ -103,3 +103,48 @@ fn who_misspells_an_engine_is_told_of_all() {
         assert!(code == 2 && err.contains(told), "{err}");
     }
 }
+
+#[test]
+fn what_recurs_is_told_and_what_came_instead_of_answers() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    // The first answer of a process is to its question, every other to the one before.
+    let late = "last=$((id>0?id-1:0)); echo \"{\\\"id\\\":$last,\\\"contacts\\\":[]}\";";
+    let said = campaign(dir, late, &FEW);
+    let told =
+        "mine: instead of answers it gave, among others:\n  malformed answer: output that nobody asked for, from";
+    assert!(said.contains(told), "{said}");
+    let replay = ["replay", &case(dir, "-malformed-"), "--engine-command", "mine=sh mine.sh"];
+    let (code, said, err) = rockproof_in(dir, &replay);
+    let again = said.split("the finding recurs\n").nth(1).unwrap_or_else(|| panic!("{said}{err}"));
+    assert!(code == 0 && again.contains("  malformed answer: ") && again.contains("id is "), "{said}{err}");
+    let (_, said, _) = rockproof_in(dir, &[&replay[..], &["--format", "json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&said).expect("JSON");
+    assert!(json["said_again"][0].as_str().is_some_and(|note| note.contains("id is ")), "{json}");
+}
+
+#[test]
+fn a_program_that_changed_before_the_run_goes_on_is_told() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let write = |words: &str| fs::write(dir.join("mine.sh"), format!("{ASKED} {NO_CONTACTS} done {words}\n"));
+    let run = |pairs: &str, start: &str| {
+        let engine = ["--engine", "mine", "--engine-command", "mine=sh mine.sh", "--out", "out"];
+        let few = ["campaign", "--family", "face_stack", "--tolerances", "auto", "--pairs", pairs, start];
+        let (code, said, err) = rockproof_in(dir, &[&few[..], &engine].concat());
+        assert_eq!(code, 0, "{said}{err}");
+        said
+    };
+    let changed = "mine: its program changed while the campaign went on: 2 different ones were asked";
+    write("").expect("written");
+    assert!(!run("32", "--overwrite").contains(changed));
+    assert!(!run("48", "--resume").contains(changed));
+    write("# built anew").expect("written");
+    assert!(run("64", "--resume").contains(changed));
+    let (_, said, err) = rockproof_in(dir, &["report", "out"]);
+    assert!(said.contains(changed), "{said}{err}");
+    let text = fs::read_to_string(dir.join("out/run.json")).expect("run.json");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(json["external_engines"]["mine"]["programs"].as_array().map(Vec::len), Some(2), "{json}");
+    assert!(!run("64", "--overwrite").contains(changed));
+}

@@ -177,3 +177,30 @@ fn deny_says_which_causes_do_not_concern_external_engines() {
     let (code, err) = run(&["--deny", "defect", "--deny", "engine"]);
     assert!(code == Some(1) && !err.contains("does not concern"), "{err}");
 }
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_answer_is_no_rounding() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let beyond = "[[limit]]\nengine = \"mine\"\nbeyond_ulps = 1000\ncount = 0\n";
+    // Two of three answers are right.
+    for trick in ["crash", "malformed", "unasked"] {
+        let ran = gate(dir.path(), &around(&[&client(), trick], beyond), &[], false);
+        let row = ran.out.lines().find(|line| line.contains("beyond 1000 roundoffs")).expect("a row");
+        assert!(ran.code == 1 && row.contains("FAIL"), "{trick}: {}{}", ran.out, ran.err);
+        // It is about no contact.
+        let of_kind = format!("{beyond}kind = \"v-f\"\n");
+        let ran = gate(dir.path(), &around(&[&client(), trick], &of_kind), &[], false);
+        assert_eq!(ran.code, 0, "{trick}: {}{}", ran.out, ran.err);
+    }
+    // One that says so of some pairs does no wrong; one that says so of most was not checked.
+    let ran = gate(dir.path(), &around(&[&client(), "unsupported"], beyond), &[], false);
+    assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+    let first =
+        r#"1s/^{"id":\([0-9]*\),.*/{"id":\1,"contacts":[]}/;1!s/^{"id":\([0-9]*\),.*/{"id":\1,"unsupported":"no"}/"#;
+    let lazy = ["sed", "-u", first].map(str::to_owned);
+    let ran = gate(dir.path(), &around_engine(&lazy, &beyond.replace("count = 0", "count = 999")), &[], false);
+    let row = ran.out.lines().find(|line| line.contains("engine mine answers")).expect("a row");
+    let told = row.contains("FAIL") && row.contains(", less than half: unsupported ");
+    assert!(ran.code == 1 && told, "{}{}", ran.out, ran.err);
+}

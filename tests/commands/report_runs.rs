@@ -1,8 +1,9 @@
-//! Pins what `report` says of runs that made no step, of a run that is named twice, and of tables of counts that were cut off.
+//! Pins what `report` says of runs that made no step, of a run that is named twice, of tables of counts that were cut off, and of a damaged case.
 
 use crate::place::rockproof;
 use crate::report_command::{copy, run};
 use std::fs;
+use std::path::{Path, PathBuf};
 
 #[test]
 fn where_no_step_was_made_nothing_is_said_of_overlaps() {
@@ -47,4 +48,35 @@ fn tables_of_counts_that_were_cut_off_are_refused() {
         fs::write(&about, run.to_string()).expect("written");
         assert_eq!(rockproof(&["report", &path]).0, 0, "of an earlier version");
     }
+}
+
+/// A case that is none is named, and all the rest is shown.
+#[test]
+fn a_damaged_case_does_not_cost_the_report() {
+    let (dir, path) = copy();
+    let page = || {
+        let (code, _, err) = rockproof(&["report", &path, "--overwrite"]);
+        assert_eq!(code, 0, "{err}");
+        (fs::read_to_string(dir.path().join("report/report.html")).expect("a page"), err)
+    };
+    let (whole, err) = page();
+    assert!(!err.contains("cannot be shown"), "{err}");
+    let replays = |page: &str| page.matches("rockproof replay ").count();
+    let cases = fs::read_dir(dir.path().join("cases")).expect("cases").map(|case| case.expect("a case").path());
+    let name = |case: &Path| case.file_name().expect("a name").to_string_lossy().into_owned();
+    let shown = |case: &PathBuf| {
+        let named = |rest: &str| rest.split("</code>").next().is_some_and(|command| command.contains(&name(case)));
+        whole.split("rockproof replay ").skip(1).any(named)
+    };
+    let case = cases.filter(|case| case.extension().is_some_and(|end| end == "toml")).find(shown).expect("a case");
+    // A contact of features that its blocks do not have.
+    let text = fs::read_to_string(&case).expect("text");
+    let damaged = text.replacen("feature_a = ", "feature_a = 99", 1);
+    assert!(damaged != text, "{text}");
+    fs::write(&case, damaged).expect("written");
+    let (rest, err) = page();
+    assert_eq!(replays(&rest), replays(&whole) - 1);
+    let told =
+        ["A case cannot be shown: ", &name(&case), "allowed are the vertices, edges and faces of the two blocks"];
+    assert!(told.iter().all(|told| err.contains(told)) && rest.contains(told[0]), "{err}");
 }

@@ -38,6 +38,10 @@ const BESIDE: usize = 64;
 const OF_BATCH: usize = 6;
 const WITHOUT_CONTACTS: usize = 2;
 
+/// Batches in which right answers are looked for that speak against a hypothesis, and how many of them at a time.
+const OTHERS: u64 = 128;
+const OTHERS_OF_PART: u64 = 8;
+
 /// Questions asked for them, and of these unanswered ones.
 const ASKED: usize = 24;
 const UNANSWERED: usize = 2;
@@ -58,6 +62,13 @@ impl SampleKey {
     fn label(&self) -> String {
         label(self.index, &self.set)
     }
+}
+
+/// The batch with a number among so many that are spread evenly over all; `None` beyond the last.
+fn spread(number: u64, many: u64, all: u64) -> Option<u64> {
+    let many = many.min(all);
+    let place = || u64::try_from(u128::from(number) * u128::from(all) / u128::from(many)).ok();
+    if number < many { place() } else { None }
 }
 
 /// What people call a pair under a set.
@@ -160,10 +171,7 @@ impl Campaign<'_> {
         }
         let beside: BTreeSet<u64> = found.first.keys().map(|place| place.index / batch_len).take(BESIDE).collect();
         let all = self.config.pairs.div_ceil(batch_len);
-        let spread = (0..SPREAD.min(all)).map(|number| {
-            u64::try_from(u128::from(number) * u128::from(all) / u128::from(SPREAD.min(all))).unwrap_or_default()
-        });
-        for number in spread {
+        for number in (0..SPREAD).filter_map(|number| spread(number, SPREAD, all)) {
             batches.entry(number).or_default();
         }
         let asked: Vec<BatchAnswers> = batches
@@ -199,7 +207,24 @@ impl Campaign<'_> {
             agreeing: agreeing.into_iter().flatten().collect(),
             all_differing: found.all,
         };
-        diagnose(engine.name(), &sample, &|blocks, tolerances| ask(engine, blocks, tolerances))
+        let known: BTreeSet<(u64, &str)> = found.first.keys().map(|place| (place.index, place.set.as_str())).collect();
+        let others = |part: u64| {
+            let batches = (part * OTHERS_OF_PART..(part + 1) * OTHERS_OF_PART).filter_map(|n| spread(n, OTHERS, all));
+            let batches: Vec<u64> = batches.collect();
+            let is_over = batches.is_empty() || stopped();
+            let questions = || batches.into_par_iter().flat_map_iter(|number| self.others(engine, number, &known));
+            (!is_over).then(|| questions().collect())
+        };
+        diagnose(engine.name(), &sample, &|blocks, tolerances| ask(engine, blocks, tolerances), &others)
+    }
+
+    /// The questions about pairs of a batch but those whose answers are known to differ, not asked.
+    fn others(&self, engine: &dyn Engine, number: u64, known: &BTreeSet<(u64, &str)>) -> Vec<Question> {
+        let subjects = self.source.batch(number);
+        let subjects = subjects.iter().filter(|subject| subject.index < self.config.pairs);
+        let sets = subjects.flat_map(|subject| subject.sets.iter().map(move |set| (subject, set)));
+        let others = sets.filter(|(subject, set)| !known.contains(&(subject.index, &*set.name)));
+        others.filter_map(|(subject, set)| unasked(engine, subject, set)).collect()
     }
 
     /// The case file of an answer that nothing explains and that has none: the pair as it is, since what is left of it when it is made small may be
@@ -268,15 +293,23 @@ fn differing(findings: &Path, seed: u64) -> Result<BTreeMap<String, Differing>, 
     Ok(found)
 }
 
-/// A question with the engine's answer; `None` where the engine is not asked, because rounding destroys the pair.
+/// A question with the engine's answer, where it is asked.
 fn question(engine: &dyn Engine, subject: &Subject, set: &NamedSet) -> Option<Question> {
+    let question = unasked(engine, subject, set)?;
+    let reply = ask(engine, &question.blocks, &question.tolerances);
+    Some(Question { reply, ..question })
+}
+
+/// A question before it is asked; `None` where the engine is not asked, because rounding destroys the pair.
+fn unasked(engine: &dyn Engine, subject: &Subject, set: &NamedSet) -> Option<Question> {
     let precision = engine.precision();
     let blocks = [subject.a.rounded(precision)?, subject.b.rounded(precision)?];
     if blocks.iter().any(|block| collapsed_feature(block).is_some()) {
         return None;
     }
     let tolerances = set.of(precision).rounded(precision).ok()?;
-    let reply = ask(engine, &blocks, &tolerances);
+    // Until it is asked.
+    let reply = Reply::Nothing(AnswerChange::Failure);
     let label = label(subject.index, &set.name);
     Some(Question { blocks, tolerances, precision, accuracy: engine.accuracy(), reply, label })
 }

@@ -95,7 +95,7 @@ fn counts(panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
 pub(super) fn to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (name, counts) in engines {
-        let EngineCounts { asked, processes_started, recovered, not_compared, first_failures } = counts;
+        let EngineCounts { asked, processes_started, recovered, not_compared, first_failures, .. } = counts;
         writer.serialize(EngineRow {
             engine: name.clone(),
             asked: *asked,

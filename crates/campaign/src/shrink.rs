@@ -22,13 +22,15 @@ pub struct Shrinker<'p> {
     /// The margin in roundoffs that the finding must keep, so that one far from any tie stays one.
     least: f64,
     refusals: Refusals,
+    /// The finding of the case as it is, as it was seen last.
+    seen: Option<Finding>,
 }
 
 impl<'p> Shrinker<'p> {
     /// A shrinker that may examine `evaluations` pairs. The panel should hold no engine the case is not about, and ask
     /// for metamorphic checks only where the case is about one.
     pub fn new(panel: &'p EnginePanel, evaluations: u64) -> Shrinker<'p> {
-        Shrinker { panel, left: evaluations, examined: None, least: 0.0, refusals: Refusals::default() }
+        Shrinker { panel, left: evaluations, examined: None, least: 0.0, refusals: Refusals::default(), seen: None }
     }
 
     /// Counts in `examined` the pairs that are examined, for whoever waits.
@@ -52,7 +54,8 @@ impl<'p> Shrinker<'p> {
                 break;
             }
         }
-        if let Some(finding) = self.finding_of(&best) {
+        // An engine that answers now so, now otherwise may not show it once more. What the case says must be about its own blocks all the same.
+        if let Some(finding) = self.finding_of(&best).or(self.seen) {
             best.describe(&finding, self.panel);
         }
         best
@@ -63,6 +66,10 @@ impl<'p> Shrinker<'p> {
         let finding = self.finding_of(case);
         if let Some(examined) = self.examined {
             examined.fetch_add(1, Ordering::Relaxed);
+        }
+        // What shows it takes the place of the case.
+        if finding.is_some() {
+            self.seen.clone_from(&finding);
         }
         finding
     }

@@ -65,6 +65,18 @@ impl AnswerChange {
         )
     }
 
+    /// Whether an engine gave no answer that can be used, or two: however near the pair is to a tie, rounding is no reason for that.
+    pub fn is_unusable(self) -> bool {
+        matches!(
+            self,
+            AnswerChange::Failure
+                | AnswerChange::Crash
+                | AnswerChange::Timeout
+                | AnswerChange::Malformed
+                | AnswerChange::Unstable
+        )
+    }
+
     /// Whether this is a violated metamorphic check rather than a difference from the oracle.
     pub fn is_metamorphic(self) -> bool {
         matches!(

@@ -83,6 +83,13 @@ pub struct EngineCounts {
     /// of earlier versions have none.
     #[serde(default)]
     pub first_failures: Vec<String>,
+    /// The same of failures that are findings: a fresh process repeated them, or was not asked.
+    #[serde(default)]
+    pub first_repeated: Vec<String>,
+    /// A digest of each program that was asked, the first one first: several where it changed before the run went on, or between parts. Empty where it is
+    /// not known.
+    #[serde(default)]
+    pub programs: Vec<String>,
 }
 
 impl EngineCounts {
@@ -101,20 +108,28 @@ impl EngineCounts {
             recovered: self.recovered.saturating_sub(before.recovered),
             not_compared: self.not_compared.saturating_sub(before.not_compared),
             first_failures: self.first_failures.iter().skip(before.first_failures.len()).cloned().collect(),
+            first_repeated: self.first_repeated.iter().skip(before.first_repeated.len()).cloned().collect(),
+            programs: self.programs.clone(),
         }
     }
 
     /// The sums of both.
     #[must_use]
     pub fn plus(&self, other: &EngineCounts) -> EngineCounts {
-        let mut first_failures = self.first_failures.clone();
-        other.first_failures.iter().for_each(|failure| EngineCounts::note(&mut first_failures, failure.clone()));
+        let both = |mut failures: Vec<String>, others: &[String]| {
+            others.iter().for_each(|failure| EngineCounts::note(&mut failures, failure.clone()));
+            failures
+        };
+        let mut programs = self.programs.clone();
+        programs.extend(other.programs.iter().filter(|program| !self.programs.contains(program)).cloned());
         EngineCounts {
+            programs,
             asked: self.asked.saturating_add(other.asked),
             processes_started: self.processes_started.saturating_add(other.processes_started),
             recovered: self.recovered.saturating_add(other.recovered),
             not_compared: self.not_compared.saturating_add(other.not_compared),
-            first_failures,
+            first_failures: both(self.first_failures.clone(), &other.first_failures),
+            first_repeated: both(self.first_repeated.clone(), &other.first_repeated),
         }
     }
 
@@ -124,9 +139,19 @@ impl EngineCounts {
         }
     }
 
-    /// Keeps what a failure was that a fresh process did not repeat, if it is one of the first.
+    /// Keeps what a failure was, if it is one of the first.
     pub fn note_failure(failures: &mut Vec<String>, failure: &EngineFailure) {
         EngineCounts::note(failures, excerpt(&failure.to_string(), EngineCounts::FAILURE_LENGTH));
+    }
+
+    /// Says that the program is not the one that was asked first, where that is so.
+    pub fn changed_note(&self) -> Option<String> {
+        (self.programs.len() > 1).then(|| {
+            format!(
+                "its program changed while the campaign went on: {} different ones were asked and count as one engine; --overwrite asks one about all pairs",
+                self.programs.len()
+            )
+        })
     }
 
     /// Says that failures did not repeat, where there were any.

@@ -90,3 +90,32 @@ fn a_line_that_nobody_asked_for_is_no_matter_of_a_fresh_process() {
         }
     });
 }
+
+#[test]
+fn what_is_wrong_with_an_answer_is_said() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let contact = |feature: &str| {
+        format!("\\\"contacts\\\":[{{\\\"kind\\\":\\\"v-v\\\",\\\"feature_a\\\":{feature},\\\"feature_b\\\":0}}]")
+    };
+    let state = "\\\"contacts\\\":[],\\\"state\\\":\\\"apart\\\"";
+    for (answer, told) in [
+        (contact("1.0"), "feature_a is 1.0; allowed are 0 to 7, written without a point or an exponent"),
+        (contact("8"), "feature_a is 8; allowed are 0 to 7, the block's vertices"),
+        (state.to_owned(), "expected one of contacts, state, unsupported; given are contacts and state"),
+        ("\\\"contact\\\":[]".to_owned(), "expected one of contacts, state, unsupported; none is there"),
+    ] {
+        let said = ask(&engine(&format!("read line; echo \"{{\\\"id\\\":0,{answer}}}\"; read line"), false));
+        assert!(matches!(&said, Err(EngineFailure::Malformed(what)) if what.contains(told)), "{answer}: {said:?}");
+    }
+}
+
+#[test]
+fn the_first_failures_that_a_fresh_process_repeats_are_kept() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let broken = engine("read line; printf 'near parallel edges\\n{}\\n'; read line", false);
+    assert!(ask(&broken).is_err() && ask(&broken).is_err());
+    let counts = broken.counts().expect("counts");
+    let told =
+        "malformed answer: output that nobody asked for: \"near parallel edges\"; each question has one line in answer";
+    assert_eq!((counts.recovered, counts.first_repeated), (0, vec![told.to_owned()]));
+}

@@ -67,12 +67,16 @@ fn output_nobody_asked_for() {
     let before = peak_kb();
     let mut early = shell("echo welcome; sleep 1000");
     std::thread::sleep(Duration::from_millis(500));
-    assert_eq!(ask(&mut early, 10), Err(NoAnswer::Unasked));
-    assert_eq!(ask(&mut shell("read line; printf 'one\\ntwo\\n'; sleep 1000"), 10), Err(NoAnswer::Unasked));
+    assert_eq!(ask(&mut early, 10), Err(NoAnswer::Unasked(b"welcome".to_vec())));
+    // What is told is the line that is no answer, whichever came first.
+    for lines in ["near parallel\\n{}", "{}\\nnear parallel"] {
+        let engine = format!("read line; printf '{lines}\\n'; sleep 1000");
+        assert_eq!(ask(&mut shell(&engine), 10), Err(NoAnswer::Unasked(b"near parallel".to_vec())));
+    }
     let mut endless = shell("read line; while :; do echo abcdefghijklmnopqrstuvwxyz; done");
-    assert!(matches!(ask(&mut endless, 10), Ok(_) | Err(NoAnswer::Unasked)));
+    assert!(matches!(ask(&mut endless, 10), Ok(_) | Err(NoAnswer::Unasked(_))));
     std::thread::sleep(Duration::from_secs(1));
-    assert_eq!(ask(&mut endless, 10), Err(NoAnswer::Unasked));
+    assert!(matches!(ask(&mut endless, 10), Err(NoAnswer::Unasked(_))));
     assert_eq!(ask(&mut shell("read line; tr '\\0' x </dev/zero"), 60), Err(NoAnswer::TooLong));
     let grown = peak_kb() - before;
     assert!(grown < 96 * 1024, "{grown} kB for engines that write without end");

@@ -23,7 +23,7 @@ impl Answers {
     }
 }
 
-/// A check for each external engine: that it answered some pair, and that a limit, the baseline or a case of the corpus, whose engines are
+/// A check for each external engine: that it answered no less than half of the pairs, and that a limit, the baseline or a case of the corpus, whose engines are
 /// given, is about what it answers; `limits` are the checks of [`limits`](super::limits), of which those skipped do not count. `run` names the campaign,
 /// `file` the gate file.
 pub fn checks(
@@ -40,19 +40,17 @@ pub fn checks(
         let answers = tally.answers(name);
         let mut checked = config.limit.iter().zip(limits).filter(|(_, check)| check.status != CheckStatus::Skip);
         let is_limited = checked.any(|(limit, _)| limit_scope::concerns(limit.get_ref(), spec));
-        let silent = answers.answered == 0 && answers.asked > 0;
+        // Limits count what was answered: where that is the smaller part, they say next to nothing.
+        let silent = answers.answered < answers.asked - answers.answered;
         let (status, message) = if answers.asked == 0 {
             (CheckStatus::Skip, "no pair survived rounding, so it was asked about none".to_owned())
         } else if silent {
-            (
-                CheckStatus::Fail,
-                format!(
-                    "answered none of {} {}: {}",
-                    answers.asked,
-                    noun(answers.asked, "pair", "pairs"),
-                    failures(tally, name)
-                ),
-            )
+            let (asked, failures) = (answers.asked, failures(tally, name));
+            let words = match answers.answered {
+                0 => format!("answered none of {asked} {}: {failures}", noun(asked, "pair", "pairs")),
+                _ => format!("{}, less than half: {failures}", answers.words()),
+            };
+            (CheckStatus::Fail, words)
         } else if is_limited || known || corpus.contains(name) {
             (CheckStatus::Pass, answers.words())
         } else {
@@ -61,7 +59,7 @@ pub fn checks(
             let remedy = format!("a limit with engine = \"{name}\" and count, without change and kind, is");
             (CheckStatus::Fail, format!("{}, but {none}; {remedy}", answers.words()))
         };
-        let rows = (0..tally.rows.len()).filter(|&at| silent && is_about(&tally.rows[at], name));
+        let rows = (0..tally.rows.len()).filter(|&at| silent && is_silence(&tally.rows[at], name));
         Check {
             group: "engine",
             name: format!("{run}: engine {name} answers"),
@@ -76,14 +74,15 @@ pub fn checks(
     config.campaign.external.iter().map(check).collect()
 }
 
-fn is_about(row: &TallyRow, engine: &str) -> bool {
-    matches!(row, TallyRow::Pair(row) if row.engine.to_string() == engine)
+/// Whether a finding says that the engine did not answer.
+fn is_silence(row: &TallyRow, engine: &str) -> bool {
+    matches!(row, TallyRow::Pair(row) if row.engine.to_string() == engine && !row.change.is_of_answers())
 }
 
 /// What there was instead of answers, most frequent first.
 fn failures(tally: &CampaignTally, engine: &str) -> String {
     let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
-    for row in tally.rows.iter().filter(|row| is_about(row, engine)) {
+    for row in tally.rows.iter().filter(|row| is_silence(row, engine)) {
         if let TallyRow::Pair(row) = row {
             *counts.entry(row.change.name()).or_default() += 1;
         }

@@ -12,6 +12,7 @@ use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::steps::{STEP_FINDING_COLUMNS, STEP_SUMMARY_COLUMNS, StepFindingRow, StepSummaryRow};
 use rockproof_campaign::summary::{SUMMARY_COLUMNS, SummaryRow};
 use rockproof_differential::agreement::{AGREEMENT_COLUMNS, ChainSpan};
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, FINDING_COLUMNS, FindingScope};
 use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::row::{FindingRow, typed_rows};
@@ -119,11 +120,18 @@ impl TallyRow {
         step.into_iter().chain(baseline.fields.iter().map(value)).collect::<Vec<_>>().join(SEPARATOR)
     }
 
+    /// Whether rounding cannot be the reason, though it has no margin: an engine gave no usable answer, or found a block to touch that is far away.
+    fn is_never_rounding(&self) -> bool {
+        let TallyRow::Pair(row) = self else { return false };
+        let of_engine = matches!(row.engine, FindingScope::Engine(_));
+        of_engine && (row.change.is_unusable() || row.change == AnswerChange::FarBlock)
+    }
+
     /// Whether a limit is about it.
     pub fn is_of(&self, limit: &FindingLimit) -> bool {
         let row = self.common();
         let same = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|wanted| wanted == found);
-        let beyond = |least: f64| row.margin_ulps.is_some_and(|ulps| ulps.abs() > least);
+        let beyond = |least: f64| row.margin_ulps.is_some_and(|ulps| ulps.abs() > least) || self.is_never_rounding();
         same(&limit.engine, &row.scope.to_string())
             && limit.tolerances.as_ref().is_none_or(|set| of_set(row.tolerances, set))
             && same(&limit.family, row.family)

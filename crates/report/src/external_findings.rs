@@ -4,6 +4,7 @@ use super::load::CampaignRun;
 use super::table::grouped;
 use super::verdict::{Severity, VerdictLine};
 use rockproof_differential::compare::AnswerChange;
+use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::{Cause, FAR_FROM_TIE};
 use rockproof_differential::row::FindingRow;
 use serde_json::Value;
@@ -28,13 +29,7 @@ impl EngineFindings {
     pub(super) fn add(&mut self, row: &FindingRow) {
         self.findings += 1;
         match row.change {
-            AnswerChange::Crash
-            | AnswerChange::Timeout
-            | AnswerChange::Malformed
-            | AnswerChange::Unstable
-            | AnswerChange::Failure => {
-                self.unanswered += 1;
-            }
+            change if change.is_unusable() => self.unanswered += 1,
             AnswerChange::Unsupported => self.unsupported += 1,
             AnswerChange::Gap | AnswerChange::Normal => self.inaccurate += 1,
             AnswerChange::FarBlock => self.far += 1,
@@ -89,11 +84,16 @@ pub(super) fn external(campaign: &CampaignRun) -> BTreeSet<String> {
 /// A line for each external engine, the worst first.
 pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<VerdictLine> {
     let mut found: Vec<(EngineFindings, VerdictLine)> = Vec::new();
+    let mut changed = Vec::new();
     for campaign in campaigns {
         for engine in external(campaign) {
             let own = campaign.tally.own.get(&engine).copied().unwrap_or_default();
             let sums = campaign.of_engine(&engine);
+            let counts = campaign.run.external_engines.get(&engine);
             let name = if campaigns.len() > 1 { format!("{engine} ({})", campaign.name) } else { engine };
+            if let Some(note) = counts.and_then(EngineCounts::changed_note) {
+                changed.push(VerdictLine { severity: Severity::Bad, text: format!("{name}: {note}.") });
+            }
             found.push((own, own.line(&name, sums.pairs - sums.silent)));
         }
     }
@@ -101,7 +101,7 @@ pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<VerdictLine> {
     found.sort_by_key(|(own, line)| {
         (place(line.severity), std::cmp::Reverse(own.far + own.inaccurate + own.unanswered))
     });
-    found.into_iter().map(|(_, line)| line).collect()
+    found.into_iter().map(|(_, line)| line).chain(changed).collect()
 }
 
 /// Counts of findings by external engine.

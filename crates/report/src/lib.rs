@@ -32,7 +32,7 @@ pub mod view;
 use error::ReportError;
 use load::Results;
 use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
-use sections::Section;
+use sections::{Section, SectionPart};
 use std::path::{Path, PathBuf};
 use verdict::VerdictLine;
 
@@ -77,6 +77,14 @@ impl Report {
             n => format!("{} and {} more runs", names[..2].join(", "), n - 2),
         };
         Ok(Report { title, verdict: verdict::verdict(&results), sections: sections::all(&results)? })
+    }
+
+    /// What could not be shown, and why: cases that are damaged.
+    pub fn unreadable(&self) -> impl Iterator<Item = &str> {
+        self.sections.iter().flat_map(|section| &section.parts).filter_map(|part| match part {
+            SectionPart::Unreadable(text) => Some(text.as_str()),
+            _ => None,
+        })
     }
 
     /// Writes the tables and charts into `dir`, and the page or the text beside them. A report that is there already is replaced where

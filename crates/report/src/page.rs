@@ -60,7 +60,7 @@ fn section(section: &Section) -> Result<Value, ReportError> {
 
 fn part(part: &SectionPart) -> Result<Option<Value>, ReportError> {
     Ok(Some(match part {
-        SectionPart::Text(text) => context! { what => "text", text },
+        SectionPart::Text(text) | SectionPart::Unreadable(text) => context! { what => "text", text },
         SectionPart::Table(table, most) => context! { what => "table", table => html_value(table.page(*most)) },
         SectionPart::Quiet(_) => return Ok(None),
         SectionPart::Chart(chart) => context! { what => "chart", chart => self::chart(chart)? },

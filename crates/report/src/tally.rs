@@ -3,7 +3,7 @@
 use super::external_findings::{self, AllEngineFindings};
 use super::load::{is_made_for_ties, setting};
 use rockproof_differential::compare::AnswerChange;
-use rockproof_differential::finding::Cause;
+use rockproof_differential::finding::{Cause, FAR_FROM_TIE};
 use rockproof_differential::row::FindingRow;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -68,13 +68,21 @@ impl WorstFinding {
         self.change == AnswerChange::Unsupported
     }
 
-    /// What no rounding excuses first: no margin at all, then the largest; last what an engine does not take.
+    /// How much less than others rounding excuses it: that an engine contradicts itself has no margin, so it comes after what is far from any tie and
+    /// before what is near one.
+    fn gravity(&self) -> f64 {
+        let is_unmeasured = self.margin_ulps.or(self.margin).is_none();
+        let contradicts = self.change.is_metamorphic() && self.change != AnswerChange::FarBlock;
+        if is_unmeasured && contradicts { FAR_FROM_TIE } else { self.magnitude() }
+    }
+
+    /// What no rounding excuses first: no usable answer, then the largest margin; last what an engine does not take.
     fn rank(&self, other: &WorstFinding) -> Ordering {
         // Sets that were put on an edge differ by design; a plain setting that differs is worse.
         let designed = |w: &WorstFinding| is_made_for_ties(&setting(&w.tolerances));
         self.is_unsupported()
             .cmp(&other.is_unsupported())
-            .then_with(|| other.magnitude().total_cmp(&self.magnitude()))
+            .then_with(|| other.gravity().total_cmp(&self.gravity()))
             .then_with(|| designed(self).cmp(&designed(other)))
             .then_with(|| self.index.cmp(&other.index))
             .then_with(|| self.case.cmp(&other.case))
@@ -199,6 +207,18 @@ mod tests {
         assert_eq!([but(2), but(3)], [Some(3), Some(2)]);
         let ranked: Vec<u64> = tally(&[unsupported, wrong]).worst[&Cause::Engine].iter().map(|w| w.index).collect();
         assert_eq!(ranked, [2, 1]);
+    }
+
+    #[test]
+    fn what_is_far_from_any_tie_comes_before_an_engine_that_contradicts_itself() {
+        let row = |index, change, margin| {
+            format!("{index},sliver,base,auto,mine,engine,{change},v-f,v-f,gap-sign,0,{margin},cases/{index}.toml")
+        };
+        let rows = [row(1, "swap", ","), row(2, "extra", "1e-9,4"), row(3, "extra", "1e-3,2e12"), row(4, "crash", ",")];
+        let found = tally(&rows.each_ref().map(String::as_str));
+        let ranked: Vec<u64> = found.worst[&Cause::Engine].iter().map(|worst| worst.index).collect();
+        assert_eq!(ranked, [4, 3, 1, 2]);
+        assert_eq!(found.worst_of_all(|worst| worst.index != 4).map(|worst| worst.index), Some(3));
     }
 
     #[test]

@@ -28,6 +28,11 @@ pub(super) trait Hypothesis: Send + Sync {
         None
     }
 
+    /// The tolerance that such an engine multiplies and the factor in thousandths, where that is all that is wrong with it.
+    fn factor(&self) -> Option<(&'static str, i64)> {
+        None
+    }
+
     /// Whether it explains answers by rounding in sound formulas: no mistake.
     fn is_rounding(&self) -> bool {
         false

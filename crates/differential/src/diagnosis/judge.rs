@@ -1,9 +1,13 @@
 //! Which hypotheses explain the answers of an engine.
 
+#[cfg(test)]
+mod tests;
+
+use super::contradictions::{OtherQuestions, contradictions};
 use super::hypothesis::{Hypothesis, all, fits};
 use super::question::{PreparedBlocks, PreparedQuestion, Question, Reply};
-use super::row::{DiagnosisRow, DiagnosisVerdict};
-use super::tolerances::probes;
+use super::row::{ALL_NEAR_TIES, DiagnosisRow, DiagnosisVerdict};
+use super::tolerances::{factor_ranges, probes};
 use crate::finding::FAR_FROM_TIE;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ToleranceSet};
@@ -55,20 +59,27 @@ struct Against {
 }
 
 impl Against {
+    /// Adds right answers that are not next to a tie.
+    fn add(&mut self, far: usize) {
+        self.all += far;
+        self.far += far;
+    }
+
     /// Whether the hypothesis stands, which explains so many answers.
     fn spares(self, explained: usize) -> bool {
         self.far == 0 && self.all * 10 <= explained
     }
 }
 
-/// Says which hypotheses explain the differing answers of an engine. The same rows for the same sample, as long as the engine says the same.
-pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<DiagnosisRow> {
+/// Says which hypotheses explain the differing answers of an engine. The same rows for the same sample, as long as the engine says the same. Before one
+/// is told, right answers that it would have changed are looked for among the `others`.
+pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: OtherQuestions<'_>) -> Vec<DiagnosisRow> {
     let hypotheses = all();
     // A crash, a late answer or one that cannot be read says nothing about contacts, so no hypothesis about contacts can explain it.
     let answered: Vec<&Question> =
         sample.differing.iter().filter(|question| !matches!(question.reply, Reply::Nothing(_))).collect();
     let judged: Vec<Judged> = answered.par_iter().map(|question| judge(question, &hypotheses)).collect();
-    let (differing, agreeing) = (answered.len() as u64, sample.agreeing.len() as u64);
+    let (differing, mut agreeing) = (answered.len() as u64, sample.agreeing.len() as u64);
     let row = |verdict, answers: usize| DiagnosisRow {
         engine: engine.to_owned(),
         verdict,
@@ -78,7 +89,7 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
         differing,
         all_differing: sample.all_differing,
         contradicted: 0,
-        agreeing,
+        agreeing: 0,
         example: String::new(),
     };
     let about = |verdict, number: usize, answers: usize, against: Against| DiagnosisRow {
@@ -93,12 +104,13 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
     let everything: Vec<usize> = (0..judged.len()).collect();
     let mut left: Vec<usize> = everything.iter().copied().filter(|&at| judged[at].right != Some(true)).collect();
     let alive: Vec<usize> = (0..hypotheses.len()).filter(|&number| !explained(number, &left).is_empty()).collect();
-    let against = against(&sample.agreeing, &hypotheses, &alive);
-    let standing: Vec<usize> =
+    let mut against = against(&sample.agreeing, &hypotheses, &alive);
+    let mut standing: Vec<usize> =
         alive.iter().copied().filter(|&number| against[number].spares(explained(number, &left).len())).collect();
     let mut rows = Vec::new();
     let mut chosen = Vec::new();
-    for _ in 0..EXPLANATIONS {
+    let mut searched = vec![false; hypotheses.len()];
+    while chosen.len() < EXPLANATIONS {
         let is_far = |at: &&usize| judged[**at].roundoffs > FAR_FROM_TIE;
         let far_left = left.iter().filter(is_far).count();
         let weight = |number: usize| {
@@ -119,11 +131,29 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
         let alike: Vec<usize> =
             standing.iter().copied().filter(|&number| explained(number, &left) == of_best).collect();
         let questions: Vec<&Question> = of_best.iter().map(|&at| answered[at]).collect();
-        let alike = told_apart(distinct(alike, &hypotheses, &questions), &hypotheses, &questions, asking);
-        for (place, &number) in alike.iter().enumerate() {
+        let alike = distinct(alike, &hypotheses, &questions);
+        let new: Vec<usize> = alike.iter().copied().filter(|&number| !searched[number]).collect();
+        let suspects: Vec<&dyn Hypothesis> = new.iter().map(|&number| &*hypotheses[number]).collect();
+        let found = contradictions(&suspects, others, asking);
+        agreeing += found.right as u64;
+        for (&number, speaking) in new.iter().zip(found.against) {
+            searched[number] = true;
+            against[number].add(speaking);
+        }
+        let before = standing.len();
+        standing.retain(|&number| against[number].far == 0);
+        if standing.len() < before {
+            continue;
+        }
+        let alike = told_apart(alike, &hypotheses, &questions, asking);
+        for (place, (number, range)) in factor_ranges(&alike, &hypotheses).into_iter().enumerate() {
             let verdict = if place == 0 { DiagnosisVerdict::Explains } else { DiagnosisVerdict::AsWell };
             let example = worst(&of_best, &judged, &answered);
-            rows.push(DiagnosisRow { example, ..about(verdict, number, count, against[number]) });
+            let mut row = DiagnosisRow { example, ..about(verdict, number, count, against[number]) };
+            if let Some(range) = range {
+                (row.hypothesis, row.sentence) = (range.name, range.sentence);
+            }
+            rows.push(row);
         }
         chosen.extend(alike.first().copied());
         left.retain(|at| !of_best.contains(at));
@@ -137,7 +167,11 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
     ];
     for (verdict, answers) in others {
         if !answers.is_empty() {
-            rows.push(DiagnosisRow { example: worst(&answers, &judged, &answered), ..row(verdict, answers.len()) });
+            let near = verdict == DiagnosisVerdict::Unexplained
+                && answers.iter().all(|&at| judged[at].roundoffs <= FAR_FROM_TIE);
+            let sentence = if near { ALL_NEAR_TIES.to_owned() } else { String::new() };
+            let example = worst(&answers, &judged, &answered);
+            rows.push(DiagnosisRow { example, sentence, ..row(verdict, answers.len()) });
         }
     }
     let mut fallen: Vec<(usize, usize)> = alive
@@ -152,6 +186,7 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>) -> Vec<Diagno
             .take(CONTRADICTED)
             .map(|(count, number)| about(DiagnosisVerdict::Contradicted, number, count, against[number])),
     );
+    rows.iter_mut().for_each(|row| row.agreeing = agreeing);
     rows
 }
 
@@ -182,7 +217,7 @@ fn against(agreeing: &[Question], hypotheses: &[Box<dyn Hypothesis>], alive: &[u
 }
 
 /// Whether an answer differs from that of a hypothesis next to a tie only, where the engine's rounding can be the reason.
-fn is_excused(hypothesis: &dyn Hypothesis, asked: &PreparedQuestion<'_>) -> bool {
+pub(super) fn is_excused(hypothesis: &dyn Hypothesis, asked: &PreparedQuestion<'_>) -> bool {
     let Reply::Contacts(said) = &asked.question.reply else { return false };
     let near =
         |contacts: Vec<Contact>| asked.roundoffs_between(&contacts, said, &asked.question.tolerances) <= FAR_FROM_TIE;
@@ -267,99 +302,4 @@ fn told_apart(
         }
     }
     alike
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::separation_state::{ReportedState, SeparationState};
-    use rockproof_model::preset::{self, Preset};
-    use rockproof_model::{BlockOptions, Number, Point, Precision};
-
-    /// A box of edge 1 that begins at x.
-    fn box_at(x: f64) -> Block {
-        let number = |value: f64| Number::from_f64(value).expect("finite");
-        let corner = |n: u32| {
-            let [x, y, z] = [x + f64::from(n & 1), f64::from(n >> 1 & 1), f64::from(n >> 2)].map(number);
-            Point::new(x, y, z)
-        };
-        let faces = [[0, 2, 3, 1], [0, 1, 5, 4], [0, 4, 6, 2], [1, 3, 7, 5], [2, 6, 7, 3], [4, 5, 7, 6]];
-        let faces = faces.map(|face| face.to_vec()).to_vec();
-        Block::new((0..8).map(corner).collect(), faces, &BlockOptions::default()).expect("a box")
-    }
-
-    /// A question about two boxes along x with a gap, and an answer to it.
-    fn question(gap: f64, said: ReportedState) -> Question {
-        let blocks = [box_at(0.0), box_at(1.0 + gap)];
-        let tolerances = preset::derive(Preset::Auto, &[&blocks[0], &blocks[1]], Precision::F64).expect("a set");
-        let (precision, label) = (Precision::F64, format!("gap {gap}"));
-        Question { blocks, tolerances, precision, accuracy: 1024, reply: Reply::State(said), label }
-    }
-
-    /// What a collision code says of a gap, right but for what `wrong` does.
-    fn said(gap: f64, wrong: impl Fn(&mut ReportedState)) -> ReportedState {
-        let state = if gap > 0.0 { SeparationState::Apart } else { SeparationState::Overlapping };
-        // A leaves B towards smaller x.
-        let mut said = ReportedState { state, gap_m: Some(gap), normal: Some([-1.0, 0.0, 0.0]) };
-        wrong(&mut said);
-        said
-    }
-
-    fn first(wrong: impl Fn(&mut ReportedState)) -> Vec<(DiagnosisVerdict, String, u64)> {
-        let differing = [0.5, 0.25, -0.25, -0.125].map(|gap| question(gap, said(gap, &wrong))).to_vec();
-        // Answers that claim no gap and no normal are right whatever is wrong with these.
-        let bare = |said: &mut ReportedState| (said.gap_m, said.normal) = (None, None);
-        let agreeing = [0.5, -0.25].map(|gap| question(gap, said(gap, bare))).to_vec();
-        let sample = Sample { differing, agreeing, all_differing: 4 };
-        let rows = diagnose("mine", &sample, &|_, _| Reply::Nothing(crate::compare::AnswerChange::Crash));
-        rows.into_iter().map(|row| (row.verdict, row.hypothesis, row.answers)).collect()
-    }
-
-    #[test]
-    fn collision_codes_are_told_what_is_wrong() {
-        use DiagnosisVerdict::{Explains, NotRepeated, Unexplained};
-        let told = |verdict, name: &str| vec![(verdict, name.to_owned(), 4)];
-        assert_eq!(first(|said| said.normal = Some([1.0, 0.0, 0.0])), told(Explains, "normal-turned"));
-        assert_eq!(first(|said| said.gap_m = said.gap_m.map(|gap| -gap)), told(Explains, "gap-sign-turned"));
-        assert_eq!(first(|said| said.gap_m = said.gap_m.map(|gap| 1000.0 * gap)), told(Explains, "gap-in-millimetres"));
-        assert_eq!(first(|said| said.gap_m = said.gap_m.map(|gap| gap + 0.3)), told(Unexplained, ""));
-        assert_eq!(first(|_| {}), told(NotRepeated, ""));
-    }
-
-    /// Four pairs with contacts, each with the same answer, and a pair without contacts that is answered so.
-    fn of_replies(reply: &Reply) -> Vec<DiagnosisRow> {
-        let with = |gap: f64, reply: Reply| Question { reply, ..question(gap, said(gap, |_| {})) };
-        let differing = [0.0, 0.5, 1.0, 2.0].map(|gap| with(gap / 1048576.0, reply.clone())).to_vec();
-        assert!(differing.iter().all(Question::has_contacts));
-        let sample = Sample { differing, agreeing: vec![with(4.0, Reply::Contacts(Vec::new()))], all_differing: 4 };
-        diagnose("mine", &sample, &|_, _| reply.clone())
-    }
-
-    #[test]
-    fn an_engine_that_reports_no_contacts_is_told_just_that() {
-        let rows = of_replies(&Reply::Contacts(Vec::new()));
-        let told: Vec<_> = rows.iter().map(|row| (row.verdict, row.hypothesis.as_str(), row.answers)).collect();
-        assert_eq!(told[0], (DiagnosisVerdict::Explains, "no-contacts", 4), "{rows:#?}");
-        let words = rows[0].words().expect("words");
-        assert!(words.contains("4 of 4 differing answers are exact but that no contact at all is reported"), "{words}");
-    }
-
-    #[test]
-    fn what_is_no_answer_is_not_diagnosed() {
-        use crate::compare::AnswerChange::{Crash, Malformed, Timeout, Unstable, Unsupported};
-        for change in [Malformed, Unsupported, Timeout, Unstable, Crash] {
-            let rows = of_replies(&Reply::Nothing(change));
-            assert!(rows.is_empty(), "{change}: {rows:#?}");
-        }
-    }
-
-    #[test]
-    fn too_few_answers_show_nothing() {
-        let turned = |said: &mut ReportedState| said.normal = Some([1.0, 0.0, 0.0]);
-        let differing = [0.5, -0.25].map(|gap| question(gap, said(gap, turned))).to_vec();
-        let sample = Sample { differing, agreeing: Vec::new(), all_differing: 2 };
-        let rows = diagnose("mine", &sample, &|_, _| Reply::Nothing(crate::compare::AnswerChange::Crash));
-        let told: Vec<_> = rows.iter().map(|row| (row.verdict, row.answers, row.example.as_str())).collect();
-        assert_eq!(told, [(DiagnosisVerdict::Unexplained, 2, "gap 0.5")]);
-    }
 }

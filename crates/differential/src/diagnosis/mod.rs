@@ -5,6 +5,7 @@
 
 mod altered_rules;
 mod answers;
+mod contradictions;
 mod hypothesis;
 mod input;
 mod judge;
@@ -13,6 +14,7 @@ mod question;
 mod row;
 mod tolerances;
 
+pub use contradictions::OtherQuestions;
 pub use judge::{Asking, Sample, diagnose};
 pub use question::{Question, Reply, ask};
 pub use row::{DIAGNOSIS_COLUMNS, DiagnosisRow, DiagnosisVerdict, diagnosis_lines};

@@ -32,7 +32,7 @@ pub struct DiagnosisRow {
     pub verdict: DiagnosisVerdict,
     /// The hypothesis; empty where the row is about none.
     pub hypothesis: String,
-    /// What it says, to go on "answers are exact …"; empty likewise.
+    /// What it says, to go on "answers are exact …"; of unexplained answers that all are near ties, where that is so; else empty.
     pub sentence: String,
     /// Differing answers that the row is about.
     pub answers: u64,
@@ -62,6 +62,12 @@ pub const DIAGNOSIS_COLUMNS: [&str; 10] = [
     "example",
 ];
 
+/// What the sentence of unexplained answers says where all of them are near ties.
+pub(super) const ALL_NEAR_TIES: &str = "all of them near ties";
+
+/// So many of the differing answers may stay unexplained before it is said beside an explanation: one in so many.
+const SMALL_PART: u64 = 4;
+
 impl DiagnosisRow {
     /// The row in a sentence; `None` for what only the table tells.
     pub fn words(&self) -> Option<String> {
@@ -82,10 +88,15 @@ impl DiagnosisRow {
             DiagnosisVerdict::Rounding => {
                 format!("{engine}: {of} {are} within {FAR_FROM_TIE} roundoffs of a tie: rounding can be the reason.")
             }
+            DiagnosisVerdict::Unexplained if sentence == ALL_NEAR_TIES => format!(
+                "{engine}: {of} {are} within {FAR_FROM_TIE} roundoffs of a tie, so rounding can be the reason, though not such rounding as \
+                 explains the others; see {example}."
+            ),
             DiagnosisVerdict::Unexplained => format!("{engine}: no hypothesis explains {of}; see {example}."),
             DiagnosisVerdict::NotRepeated => {
                 format!(
-                    "{engine}: {of} {are} right when asked again: what it answers depends on what it was asked before."
+                    "{engine}: {of} {are} right when asked again: what it answers depends on what it was asked before or on chance, or \
+                     its program was changed since."
                 )
             }
             DiagnosisVerdict::Contradicted => return None,
@@ -95,5 +106,17 @@ impl DiagnosisRow {
 
 /// What a diagnosis says, a line for each row that people need.
 pub fn diagnosis_lines(rows: &[DiagnosisRow]) -> Vec<String> {
-    rows.iter().filter_map(DiagnosisRow::words).collect()
+    let unexplained = |engine: &str| {
+        let of = rows.iter().filter(|row| row.engine == engine && row.verdict == DiagnosisVerdict::Unexplained);
+        of.map(|row| row.answers).sum::<u64>()
+    };
+    let line = |row: &DiagnosisRow| {
+        let mut words = row.words()?;
+        let left = unexplained(&row.engine);
+        if row.verdict == DiagnosisVerdict::Explains && left * SMALL_PART >= row.differing {
+            words += &format!(" It is not all: nothing explains {left} of them.");
+        }
+        Some(words)
+    };
+    rows.iter().filter_map(line).collect()
 }

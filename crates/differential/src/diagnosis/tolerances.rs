@@ -16,8 +16,8 @@ const LENGTHS: [&str; 3] = ["search", "territory", "penetration"];
 /// Of these, the sines.
 const SINES: [&str; 2] = ["overlap_sine", "parallel_sine"];
 
-/// What they may be multiplied by, in thousandths, and how that is said.
-const FACTORS: [(i64, &str); 11] = [
+/// What they may be multiplied by, in thousandths, and how that is said: a little, halves and doubles, a wrong digit, a wrong unit.
+const FACTORS: [(i64, &str); 17] = [
     (0, "0"),
     (990, "0.99"),
     (1010, "1.01"),
@@ -27,9 +27,19 @@ const FACTORS: [(i64, &str); 11] = [
     (1100, "1.1"),
     (500, "0.5"),
     (2000, "2"),
+    (200, "0.2"),
+    (5000, "5"),
+    (100, "0.1"),
+    (10_000, "10"),
+    (10, "0.01"),
+    (100_000, "100"),
     (1_000_000, "1000"),
     (1, "0.001"),
 ];
+
+/// What all lengths may be multiplied by.
+const LENGTH_FACTORS: [(i64, &str); 6] =
+    [(1_000_000, "1000"), (1, "0.001"), (10_000, "10"), (100, "0.1"), (100_000, "100"), (10, "0.01")];
 
 /// What became of the tolerances.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +65,7 @@ enum Tolerances {
 /// The hypotheses about tolerances.
 pub(super) fn all() -> impl Iterator<Item = Box<dyn Hypothesis>> {
     let times = USED.into_iter().flat_map(|name| FACTORS.map(|(factor, text)| Tolerances::Times(name, factor, text)));
-    let units = [(1_000_000, "1000"), (1, "0.001")].map(|(factor, text)| Tolerances::LengthsTimes(factor, text));
+    let units = LENGTH_FACTORS.map(|(factor, text)| Tolerances::LengthsTimes(factor, text));
     let angles = SINES.into_iter().flat_map(|name| [Tolerances::Degrees(name), Tolerances::Cosine(name)]);
     let others = [LENGTHS.as_slice(), &SINES].into_iter().flat_map(|group| {
         group.iter().flat_map(move |&one| {
@@ -91,13 +101,23 @@ impl Hypothesis for Tolerances {
             Tolerances::Times(name, 0, _) => format!("with {name} ignored (0)"),
             Tolerances::Times(name, _, factor) => format!("with {name} times {factor}"),
             Tolerances::LengthsTimes(1, _) => "with all tolerance lengths a thousandth of what they are".to_owned(),
-            Tolerances::LengthsTimes(..) => "with all tolerance lengths a thousand times what they are".to_owned(),
+            Tolerances::LengthsTimes(1_000_000, _) => {
+                "with all tolerance lengths a thousand times what they are".to_owned()
+            }
+            Tolerances::LengthsTimes(_, factor) => format!("with all tolerance lengths times {factor}"),
             Tolerances::Degrees(name) => format!("with {name} taken for an angle in degrees"),
             Tolerances::Cosine(name) => format!("with the cosine in place of {name}"),
             Tolerances::For(one, other) => format!("with {other} in place of {one}"),
             Tolerances::OfPreset(name, preset) => format!("with {name} of the preset {}", preset.name()),
             Tolerances::Preset(preset) => format!("with all tolerances of the preset {}", preset.name()),
             Tolerances::Criteria(criteria) => format!("under the {} criteria", criteria.name()),
+        }
+    }
+
+    fn factor(&self) -> Option<(&'static str, i64)> {
+        match *self {
+            Tolerances::Times(name, factor, _) => Some((name, factor)),
+            _ => None,
         }
     }
 
@@ -154,8 +174,52 @@ fn times(number: &Number, thousandths: i64) -> Number {
     number.times(&Number::from_rational(BigRational::new(BigInt::from(thousandths), BigInt::from(1000))))
 }
 
+/// Several factors of one tolerance that explain the same, as one hypothesis.
+pub(super) struct FactorRange {
+    pub(super) name: String,
+    pub(super) sentence: String,
+}
+
+/// Hypotheses that explain the same, with those about factors of one tolerance, all above 1 or all below, put together: no number is told that the
+/// answers do not tell.
+pub(super) fn factor_ranges(alike: &[usize], hypotheses: &[Box<dyn Hypothesis>]) -> Vec<(usize, Option<FactorRange>)> {
+    let side = |number: &usize| hypotheses[*number].factor().map(|(name, factor)| (name, factor > 1000));
+    let mut told: Vec<(usize, Option<FactorRange>)> = Vec::new();
+    for number in alike {
+        let of = side(number);
+        if of.is_some() && told.iter().any(|(known, _)| side(known) == of) {
+            continue;
+        }
+        let factors = alike.iter().filter(|other| side(other) == of);
+        let factors: Vec<i64> = factors.filter_map(|&other| Some(hypotheses[other].factor()?.1)).collect();
+        told.push((*number, of.and_then(|(name, _)| FactorRange::of(name, &factors))));
+    }
+    told
+}
+
+impl FactorRange {
+    /// The range of some factors, all above 1 or all below; none of one factor.
+    fn of(name: &str, factors: &[i64]) -> Option<FactorRange> {
+        let text = |factor: i64| FACTORS.iter().find(|(known, _)| *known == factor).map(|(_, text)| *text);
+        let [least, most] = [factors.iter().min()?, factors.iter().max()?].map(|factor| *factor);
+        if least == most {
+            return None;
+        }
+        let (least_text, most_text) = (text(least)?, text(most)?);
+        let range = if FACTORS.iter().all(|(factor, _)| *factor <= most) {
+            format!("{least_text} or more")
+        } else if least == 0 {
+            format!("{most_text} or less")
+        } else {
+            format!("{least_text} to {most_text}")
+        };
+        let name_range = range.replace(' ', "-");
+        Some(FactorRange { name: format!("{name}-times-{name_range}"), sentence: format!("with {name} times {range}") })
+    }
+}
+
 /// Factors that questions are asked with once more where hypotheses about tolerances are alike, in thousandths.
-const PROBES: [i64; 6] = [970, 1030, 930, 1070, 500, 2000];
+const PROBES: [i64; 8] = [970, 1030, 930, 1070, 500, 2000, 100, 10_000];
 
 /// The set with one tolerance changed a little, for each of them: what tells hypotheses apart that explain the same answers.
 pub(super) fn probes(given: &ToleranceSet) -> Vec<ToleranceSet> {

@@ -6,6 +6,7 @@ mod group;
 mod pipes;
 #[cfg(unix)]
 pub mod process;
+mod program;
 pub mod protocol;
 pub mod spec;
 
@@ -40,12 +41,13 @@ struct EngineCounters {
     uncompared: AtomicU64,
     /// [`EngineCounts::first_failures`].
     failures: Mutex<Vec<String>>,
+    /// [`EngineCounts::first_repeated`].
+    repeated: Mutex<Vec<String>>,
 }
 
-impl EngineCounters {
-    fn failures(&self) -> MutexGuard<'_, Vec<String>> {
-        self.failures.lock().unwrap_or_else(PoisonError::into_inner)
-    }
+/// The texts in a list that many threads add to.
+fn texts(list: &Mutex<Vec<String>>) -> MutexGuard<'_, Vec<String>> {
+    list.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What a note says of an answer that the program gave beside those asked for, when it had answered before.
@@ -61,6 +63,8 @@ struct Shared {
     spec: EngineSpec,
     ask_twice: bool,
     idle: Mutex<Vec<Process>>,
+    /// [`program::program_digest`], as it was when the counts were asked for first.
+    program: OnceLock<Option<String>>,
     /// Set while `idle` is held, so that nothing rests there any more.
     shortage: OnceLock<Shortage>,
     counts: EngineCounters,
@@ -75,8 +79,8 @@ impl External {
     /// The engine of a specification. Nothing is started before the first question. With `ask_twice`, every question goes to two
     /// processes, whose answers must be the same.
     pub fn new(spec: EngineSpec, ask_twice: bool) -> External {
-        let (idle, shortage, counts) = Default::default();
-        External(Arc::new(Shared { spec, ask_twice, idle, shortage, counts }))
+        let (idle, program, shortage, counts) = Default::default();
+        External(Arc::new(Shared { spec, ask_twice, idle, program, shortage, counts }))
     }
 
     /// What it was asked for.
@@ -124,6 +128,14 @@ impl External {
     /// pair, so it must not depend on what a process went through before. Output that nobody asked for is told where it is seen: a fresh
     /// process has not come to it yet.
     fn ask(&self, question: &Question<'_>) -> Asked {
+        let asked = self.ask_any(question);
+        if let (Err(failure), None) = (&asked.answer, &asked.process) {
+            EngineCounts::note_failure(&mut texts(&self.0.counts.repeated), failure);
+        }
+        asked
+    }
+
+    fn ask_any(&self, question: &Question<'_>) -> Asked {
         let idle = self.idle().pop();
         if let Some(idle) = idle {
             let asked = self.ask_of(idle, question);
@@ -134,7 +146,7 @@ impl External {
             if again.process.is_some() {
                 self.0.counts.recovered.fetch_add(1, Ordering::Relaxed);
                 if let Err(failure) = &asked.answer {
-                    EngineCounts::note_failure(&mut self.0.counts.failures(), failure);
+                    EngineCounts::note_failure(&mut texts(&self.0.counts.failures), failure);
                 }
             }
             return again;
@@ -181,7 +193,7 @@ impl External {
     /// What no answer comes to, of a process that was asked so many questions before.
     fn silent(&self, silence: NoAnswer, before: u64) -> Asked {
         #[cfg(unix)]
-        let unasked = silence == NoAnswer::Unasked;
+        let unasked = matches!(silence, NoAnswer::Unasked(_));
         #[cfg(not(unix))]
         let unasked = false;
         Asked { answer: Err(self.verdict(silence, before)), process: None, unasked }
@@ -203,9 +215,10 @@ impl External {
             #[cfg(unix)]
             NoAnswer::TooLong => EngineFailure::Malformed(format!("a line of more than {LONGEST_ANSWER} bytes")),
             #[cfg(unix)]
-            NoAnswer::Unasked => {
+            NoAnswer::Unasked(output) => {
                 let what = if before == 0 { "output that nobody asked for" } else { BESIDE_ANSWERS };
-                EngineFailure::Malformed(format!("{what}; each question has one line in answer"))
+                let output = protocol::quoted(&output);
+                EngineFailure::Malformed(format!("{what}: {output}; each question has one line in answer"))
             }
         }
     }
@@ -270,7 +283,15 @@ impl Engine for External {
             processes_started: count(started),
             recovered: count(recovered),
             not_compared: count(uncompared),
-            first_failures: self.0.counts.failures().clone(),
+            first_failures: texts(&self.0.counts.failures).clone(),
+            first_repeated: texts(&self.0.counts.repeated).clone(),
+            programs: self
+                .0
+                .program
+                .get_or_init(|| program::program_digest(&self.0.spec.command))
+                .iter()
+                .cloned()
+                .collect(),
         })
     }
 }

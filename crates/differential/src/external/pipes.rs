@@ -78,6 +78,11 @@ impl Pipes {
         !self.read.is_empty()
     }
 
+    /// The output that belongs to no answer, as far as it was read.
+    pub(super) fn unread(&self) -> &[u8] {
+        &self.read
+    }
+
     /// Waits until something happens, for so long at most: writes what is unsent, and reads a line of stdout and whatever is on stderr.
     pub(super) fn poll(&mut self, patience: Duration) -> io::Result<PipeEvent> {
         let writing = self.stdin.as_ref().filter(|_| self.unsent.1 < self.unsent.0.len());

@@ -34,8 +34,8 @@ pub enum NoAnswer {
     TimedOut,
     /// The line was longer than [`LONGEST_ANSWER`](super::LONGEST_ANSWER).
     TooLong,
-    /// There was output before the question, or more than a line after it.
-    Unasked,
+    /// There was output before the question, or more than a line after it: this line.
+    Unasked(Vec<u8>),
 }
 
 /// A program, ended together with whatever it started when this is dropped.
@@ -77,7 +77,7 @@ impl Process {
     pub fn ask(&mut self, line: String, patience: Duration) -> Result<Vec<u8>, NoAnswer> {
         self.asked += 1;
         if self.pipes.has_unread() {
-            return Err(NoAnswer::Unasked);
+            return Err(NoAnswer::Unasked(first_line(self.pipes.unread())));
         }
         let mut bytes = line.into_bytes();
         bytes.push(b'\n');
@@ -89,7 +89,12 @@ impl Process {
             let left = patience.saturating_sub(begin.elapsed());
             let wait = if ended { Duration::ZERO } else { LOOK.min(left) };
             match self.pipes.poll(wait) {
-                Ok(PipeEvent::Line(_)) if self.pipes.has_unread() => return Err(NoAnswer::Unasked),
+                Ok(PipeEvent::Line(line)) if self.pipes.has_unread() => {
+                    // The answer is an object; what came beside it may have come before it or after.
+                    let is_answer = line.trim_ascii_start().starts_with(b"{");
+                    let unasked = if is_answer { first_line(self.pipes.unread()) } else { line };
+                    return Err(NoAnswer::Unasked(unasked));
+                }
                 Ok(PipeEvent::Line(line)) => return Ok(line),
                 Ok(PipeEvent::TooLong) => return Err(NoAnswer::TooLong),
                 Ok(PipeEvent::End) | Err(_) => return Err(NoAnswer::Ended(self.exit_description())),
@@ -139,6 +144,11 @@ impl Drop for Process {
         self.group.wait(FAREWELL);
         self.group.end();
     }
+}
+
+/// The first line of some output, as far as it was read.
+fn first_line(output: &[u8]) -> Vec<u8> {
+    output.split(|byte| *byte == b'\n').next().unwrap_or_default().to_vec()
 }
 
 /// Whether an error says that there are no more files, processes or memory to be had here, which is no fault of a program that is to be started.

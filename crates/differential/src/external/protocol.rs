@@ -65,7 +65,7 @@ impl From<String> for ProtocolError {
 }
 
 /// The start of a line, for messages.
-fn quoted(line: &[u8]) -> String {
+pub(super) fn quoted(line: &[u8]) -> String {
     const EXCERPT_LENGTH: usize = 120;
     let text = String::from_utf8_lossy(line);
     let start: String = text.chars().take(EXCERPT_LENGTH).collect();
@@ -89,7 +89,15 @@ fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, Protoc
         (None, Some(state), None) => Ok(Answer::State(read_state(state, &object)?)),
         (None, None, Some(Value::String(why))) => Err(ProtocolError::Unsupported(why.clone())),
         (None, None, Some(other)) => Err(format!("unsupported is {}; expected a text", kind_of(other)).into()),
-        _ => Err("expected one of contacts, state, unsupported".to_owned().into()),
+        _ => {
+            let given = [("contacts", contacts), ("state", state), ("unsupported", unsupported)];
+            let given: Vec<&str> = given.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
+            let found = match given.len() {
+                0 => "none is there".to_owned(),
+                _ => format!("given are {}", given.join(" and ")),
+            };
+            Err(format!("expected one of contacts, state, unsupported; {found}").into())
+        }
     }
 }
 
@@ -151,7 +159,9 @@ fn read_contact(contact: &Value, features: [&Topology; 2]) -> Result<Contact, St
         let number = |at: usize| {
             let (key, count) = (keys[at], count(features[at], names[at]));
             let found = object.get(key).and_then(Value::as_u64).and_then(|n| u32::try_from(n).ok());
-            let allowed = || format!("allowed are 0 to {}, the block's {}", count - 1, plural(names[at]));
+            let pointed = object.get(key).is_some_and(Value::is_f64);
+            let written = if pointed { ", written without a point or an exponent" } else { "" };
+            let allowed = || format!("allowed are 0 to {}{written}, the block's {}", count - 1, plural(names[at]));
             found.filter(|n| *n < count).ok_or_else(|| format!("{key} is {}; {}", shown(object.get(key)), allowed()))
         };
         Ok::<_, String>([number(0)?, number(1)?])

@@ -29,6 +29,8 @@ use super::verdict::makes_steps_alone;
 pub enum SectionPart {
     /// A paragraph.
     Text(String),
+    /// A paragraph about something that could not be shown, and why.
+    Unreadable(String),
     /// A table, of which the page shows so many rows.
     Table(Table, usize),
     /// A table that goes into a CSV file only.

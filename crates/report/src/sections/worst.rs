@@ -89,7 +89,16 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
             }
             for finding in worst.iter().take(SHOWN) {
                 let name = label(campaigns.len(), &campaign.name, finding.change.name());
-                let mut view = show(&campaign.dir, finding, name, views.len())?;
+                let mut view = match show(&campaign.dir, finding, name, views.len()) {
+                    Ok(view) => view,
+                    // One case that is none is no reason to show nothing of all the others.
+                    Err(ReportError::Case(error)) => {
+                        let text = format!("A case cannot be shown: {}", escaped(&error.to_string()));
+                        section.parts.push(SectionPart::Unreadable(text));
+                        continue;
+                    }
+                    Err(error) => return Err(error),
+                };
                 if let Some(spec) = specs(&campaign.run).iter().find(|spec| spec.name == finding.engine) {
                     view.replay += &format!(" --engine-command {}", spec.argument());
                 }
@@ -97,7 +106,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
             }
         }
     }
-    if views.is_empty() {
+    if views.is_empty() && section.parts.is_empty() {
         section.parts.push(SectionPart::Text("No finding was kept as a case.".to_owned()));
     }
     section.parts.push(SectionPart::Findings(views));
