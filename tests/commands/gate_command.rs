@@ -224,7 +224,8 @@ fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
         ("corpus = []\n[baseline]\nfile = \"none.toml\"\n", vec!["none.toml", "--update-baseline"]),
         ("corpus = []\n[baseline]\nfile = \"x\"\ncauses = [\"luck\"]\n", vec!["baseline.causes", "tolerance"]),
         ("corpus = []\n[baseline]\nfile = \"x\"\nfields = [\"colour\"]\n", vec!["baseline.fields", "predicate"]),
-        ("corpus = [\"nowhere\"]\n", vec!["nowhere"]),
+        ("corpus = [\"nowhere\"]\n", vec!["there is no nowhere", "corpus = []"]),
+        ("[[limit]]\ncount = 0\n", vec!["there is no cases/regressions", "corpus = []"]),
         ("corpus = [\"gate.toml\"]\n", vec!["gate.toml", "case"]),
         ("corpus = []\n[campaign]\nengines = [\"abacus\"]\n", vec!["stepper-f32"]),
     ] {

@@ -244,7 +244,8 @@ impl Work<'_> {
 
 /// What a set is called: by the preset it is, with a mark where it was changed, or by its file.
 fn name_of(spec: &ToleranceSpec) -> String {
-    let changed = if spec.numbers().is_empty() { "" } else { ", changed" };
+    let is_preset = spec.numbers().is_empty() && spec.criteria().is_none();
+    let changed = if is_preset { "" } else { ", changed" };
     spec.preset().map_or("the set given".to_owned(), |preset| format!("{}{changed}", preset.name()))
 }
 

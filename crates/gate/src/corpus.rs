@@ -30,6 +30,11 @@ pub enum CorpusError {
         "corpus: the folder {0} holds no case, no file .toml or .json (folders in it are not looked through); `corpus = []` is a gate without cases"
     )]
     Empty(String),
+    /// There is no such file or folder.
+    #[error(
+        "corpus: there is no {0}; it names case files or folders of them (cases/regressions where it is not set), and `corpus = []` is a gate without cases"
+    )]
+    Missing(String),
     /// A file is no case.
     #[error(transparent)]
     Case(#[from] CaseError),
@@ -82,7 +87,12 @@ pub fn engines_of(paths: &[PathBuf]) -> Result<BTreeSet<String>, CorpusError> {
 fn files_of(path: &Path) -> Result<Vec<PathBuf>, CorpusError> {
     let at = |source| CorpusError::Io { file: path.display().to_string(), source };
     if !path.is_dir() {
-        return Ok(vec![path.to_owned()]);
+        // Dangling links as well.
+        return if path.exists() {
+            Ok(vec![path.to_owned()])
+        } else {
+            Err(CorpusError::Missing(path.display().to_string()))
+        };
     }
     let mut files = Vec::new();
     for entry in std::fs::read_dir(path).map_err(at)? {
