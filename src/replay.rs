@@ -15,7 +15,7 @@ use rockproof_differential::collision::separation::Separation;
 use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, catch_panic};
 use rockproof_differential::explain::{DivergentDecision, divergent_decisions};
 use rockproof_differential::external::protocol::completed;
-use rockproof_differential::finding::Cause;
+use rockproof_differential::finding::{Cause, Finding, FindingScope};
 use rockproof_differential::indexed_trace::IndexedTrace;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{Contact, Precision, ToleranceSet};
@@ -129,7 +129,10 @@ impl Recurrence {
         let found = case.findings(&panel);
         if !found.is_empty() {
             let mut said: Vec<String> = Vec::new();
-            for note in found.into_iter().filter_map(|finding| finding.note) {
+            let of_engine = |finding: &Finding| {
+                matches!(finding.scope, FindingScope::Engine(_)) && finding.difference.change.is_unusable()
+            };
+            for note in found.into_iter().filter(of_engine).filter_map(|finding| finding.note) {
                 if !said.contains(&note) {
                     said.push(note);
                 }

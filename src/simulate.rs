@@ -546,6 +546,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, over
             "most_unseen_pairs": audit.most_unseen,
             "worst_unseen": worst(audit.worst_unseen),
             "deepest": worst(audit.deepest),
+            "steps_deep": audit.steps_deep,
             "passages": audit.passages,
             "worst_passage": worst(audit.worst_passage),
             "undecided_passages": audit.undecided,

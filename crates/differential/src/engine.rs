@@ -148,7 +148,7 @@ impl EngineCounts {
     pub fn changed_note(&self) -> Option<String> {
         (self.programs.len() > 1).then(|| {
             format!(
-                "its program changed while the campaign went on: {} different ones were asked and count as one engine; --overwrite asks one about all pairs",
+                "its program, or the first file among its arguments, changed while the campaign went on: {} different ones were asked and count as one engine; --overwrite asks one about all pairs",
                 self.programs.len()
             )
         })

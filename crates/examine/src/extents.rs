@@ -3,7 +3,7 @@
 use num_traits::ToPrimitive;
 use rockproof_model::{Number, Scene};
 
-/// Half of the blocks are between these sizes in metres (the cube root of the volume) unless the units are others.
+/// The block in the middle, when they are ordered by size, is between these sizes in metres (the cube root of its volume) unless the units are others.
 const SIZES: [f64; 2] = [1e-3, 100.0];
 
 /// The box of a scene and its shortest edge, in metres.

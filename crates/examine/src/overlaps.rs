@@ -50,10 +50,11 @@ pub fn overlaps(
         Some(pairs) => pairs.iter().map(|&(i, j)| [i.min(j), i.max(j)]).collect(),
     };
     let rounding = rounding_depth(blocks, Precision::F64);
-    seen.begin(Stage::Overlaps, pairs.len());
     // Of pairs that were asked for all is said.
     let may_move = |pair: &&[usize; 2]| only.is_some() || !pair.iter().all(|&block| fixed.get(block) == Some(&true));
-    let audited = pairs.par_iter().filter(may_move).filter(|_| !stop.load(Ordering::Relaxed)).map(|&pair| {
+    let asked: Vec<&[usize; 2]> = pairs.iter().filter(may_move).collect();
+    seen.begin(Stage::Overlaps, asked.len());
+    let audited = asked.into_par_iter().filter(|_| !stop.load(Ordering::Relaxed)).map(|&pair| {
         let audited = match measured {
             MeasuredOverlaps::All => auditor.pair(pair),
             MeasuredOverlaps::BeyondRounding => auditor.pair_beyond_rounding(pair, &rounding),
@@ -85,7 +86,7 @@ pub struct Overlaps {
     audit: Audit,
     /// What each overlap means.
     severities: Vec<OverlapSeverity>,
-    /// The pairs that were looked at.
+    /// The neighbouring pairs, or those asked for.
     neighbours: Vec<[usize; 2]>,
 }
 
@@ -101,7 +102,7 @@ impl Overlaps {
         self.count(OverlapSeverity::Lost)
     }
 
-    /// The pairs that were looked at, whether they overlap or not, in ascending order.
+    /// The neighbouring pairs, whether they overlap or not, in ascending order; those of two fixed blocks too, whose overlaps are not looked for.
     pub fn neighbours(&self) -> &[[usize; 2]] {
         &self.neighbours
     }

@@ -62,7 +62,7 @@ impl Steps {
 /// nothing is held at its lowest, or at its largest.
 ///
 /// # Errors
-/// When the scene cannot be stepped.
+/// When coordinates are not finite. Where the scene cannot be stepped otherwise, that is why the steps ended.
 pub(crate) fn make(
     scene: &Scene,
     set: &ToleranceSet,

@@ -217,15 +217,13 @@ fn overlaps(scene: &Scene, set: &ToleranceSet, stop: &AtomicBool) -> (Vec<Overla
     let (blocks, fixed) = (scene.shapes(), scene.fixed());
     let prepared: Vec<PreparedBlock> = blocks.par_iter().map(|block| PreparedBlock::new(block)).collect();
     let auditor = Auditor::new(&prepared, set);
-    let neighbours = auditor.neighbours();
-    let count = neighbours.len() as u64;
     // Two fixed blocks never move, so they overlap as they are meant to.
-    let audited = neighbours.into_par_iter().filter(|&[i, j]| !(fixed[i] && fixed[j]));
+    let audited = auditor.neighbours().into_par_iter().filter(|&[i, j]| !(fixed[i] && fixed[j]));
     let audited: Option<Vec<_>> =
         audited.map(|pair| (!stop.load(Ordering::Relaxed)).then(|| auditor.pair(pair))).collect();
     // Where it was stopped the signal is raised instead.
     let audit = Audit::of(audited.unwrap_or_default());
     let rounding = rounding_depth(&blocks, Precision::F64);
     let told = |found: &FoundOverlap| Overlap::new(found, found.severity(&rounding));
-    (audit.overlaps.iter().map(told).collect(), count)
+    (audit.overlaps.iter().map(told).collect(), audit.counts.neighbours())
 }

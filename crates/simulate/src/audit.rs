@@ -73,7 +73,7 @@ impl StepAudit {
 
 /// Whether a count need not be written.
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
-fn is_none(count: &u64) -> bool {
+fn is_zero(count: &u64) -> bool {
     *count == 0
 }
 
@@ -97,7 +97,7 @@ pub struct AuditTotals {
     /// The deepest overlap after a step.
     pub deepest: Option<PairExtreme>,
     /// Steps after which some overlap was deeper than `penetration`.
-    #[serde(default, skip_serializing_if = "is_none")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub steps_deep: u64,
     /// Passages, over all steps; none where they were not looked for.
     pub passages: Option<u64>,

@@ -16,8 +16,8 @@ const ASKED: usize = 512;
 pub(super) struct Contradictions {
     /// Right answers, not next to a tie, that speak against each hypothesis.
     pub(super) against: Vec<usize>,
-    /// Right answers looked at.
-    pub(super) right: usize,
+    /// What people call the questions that were answered right.
+    pub(super) right: Vec<String>,
 }
 
 /// Asks the questions to which hypotheses have another answer than the exact one, until a right answer speaks against each of them, or there are no more.
@@ -27,7 +27,7 @@ pub(super) fn contradictions(
     others: OtherQuestions<'_>,
     asking: Asking<'_>,
 ) -> Contradictions {
-    let mut found = Contradictions { against: vec![0; hypotheses.len()], right: 0 };
+    let mut found = Contradictions { against: vec![0; hypotheses.len()], right: Vec::new() };
     let (mut asked_for, mut asked) = (vec![0; hypotheses.len()], 0);
     for part in 0.. {
         let open: Vec<usize> =
@@ -54,10 +54,10 @@ pub(super) fn contradictions(
             let contradicted =
                 |at: &usize| fits(hypotheses[*at], &asked) == Some(false) && !is_excused(hypotheses[*at], &asked);
             let is_right = asked.is_right() == Some(true);
-            is_right.then(|| doubted.into_iter().filter(contradicted).collect::<Vec<usize>>())
+            is_right.then(|| (question.label.clone(), doubted.into_iter().filter(contradicted).collect::<Vec<usize>>()))
         });
-        for contradicted in answers.collect::<Vec<_>>().into_iter().flatten() {
-            found.right += 1;
+        for (label, contradicted) in answers.collect::<Vec<_>>().into_iter().flatten() {
+            found.right.push(label);
             contradicted.into_iter().for_each(|at| found.against[at] += 1);
         }
     }

@@ -11,6 +11,7 @@ use super::tolerances::{factor_ranges, probes};
 use crate::finding::FAR_FROM_TIE;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ToleranceSet};
+use std::collections::BTreeSet;
 
 /// Answers of one engine.
 #[derive(Clone, Debug, Default)]
@@ -79,7 +80,9 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
     let answered: Vec<&Question> =
         sample.differing.iter().filter(|question| !matches!(question.reply, Reply::Nothing(_))).collect();
     let judged: Vec<Judged> = answered.par_iter().map(|question| judge(question, &hypotheses)).collect();
-    let (differing, mut agreeing) = (answered.len() as u64, sample.agreeing.len() as u64);
+    let differing = answered.len() as u64;
+    // Right answers found beside the sample, each once however often it was asked for.
+    let mut beside: BTreeSet<String> = BTreeSet::new();
     let row = |verdict, answers: usize| DiagnosisRow {
         engine: engine.to_owned(),
         verdict,
@@ -135,7 +138,7 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
         let new: Vec<usize> = alike.iter().copied().filter(|&number| !searched[number]).collect();
         let suspects: Vec<&dyn Hypothesis> = new.iter().map(|&number| &*hypotheses[number]).collect();
         let found = contradictions(&suspects, others, asking);
-        agreeing += found.right as u64;
+        beside.extend(found.right);
         for (&number, speaking) in new.iter().zip(found.against) {
             searched[number] = true;
             against[number].add(speaking);
@@ -186,6 +189,8 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
             .take(CONTRADICTED)
             .map(|(count, number)| about(DiagnosisVerdict::Contradicted, number, count, against[number])),
     );
+    beside.retain(|label| sample.agreeing.iter().all(|question| question.label != *label));
+    let agreeing = (sample.agreeing.len() + beside.len()) as u64;
     rows.iter_mut().for_each(|row| row.agreeing = agreeing);
     rows
 }

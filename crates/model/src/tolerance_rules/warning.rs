@@ -70,7 +70,7 @@ impl WarningKind {
     }
 }
 
-/// Something that violates no rule of SPEC section 3 and yet lets blocks pass through one another. Numbers are within some ulps of the exact ones.
+/// Something that violates no rule of SPEC section 3 and yet lets blocks pass through one another. Of modes, numbers are within some ulps of the exact ones; of loads they are an estimate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
     /// What it is about.
@@ -86,7 +86,7 @@ pub struct Warning {
 }
 
 /// The warnings of a set for a scene, in the order of [`WarningKind`]. Those of modes are compared exactly, **equal to a limit is within
-/// it, but for `equal`, whose limit is not allowed**; loads are estimated ([`load`]).
+/// it, but for `equal`, whose limit is not allowed**; loads are estimated.
 pub fn warnings(set: &ToleranceSet, scene: &Scene) -> Vec<Warning> {
     let no_more = |kind: WarningKind, value: &Number, limit: &Number| {
         (value > limit).then(|| Warning {

@@ -48,6 +48,7 @@ fn table(runs: &[MotionRun]) -> Table {
             "worst_passage_m",
             "deepest",
             "deepest_m",
+            "steps_deep",
         ],
     );
     for run in runs {
@@ -63,6 +64,7 @@ fn table(runs: &[MotionRun]) -> Table {
                     [audit.passages, audit.undecided].map(|count| count.map_or(TableCell::Empty, TableCell::Count)),
                 );
                 row.extend([audit.worst_passage, audit.deepest].into_iter().flat_map(pair));
+                row.push(TableCell::Count(audit.steps_deep));
             }
         }
         table.push(row);

@@ -13,7 +13,7 @@ const RESIDUAL_SHARE: f64 = 1e-28;
 
 /// A symmetric positive definite matrix that is near the system's, of which the inverse is easy to apply.
 pub(super) trait Preconditioner<R> {
-    /// Its inverse times a residual; none where a number overflows.
+    /// Its inverse times a residual; none where it cannot be told. Numbers may overflow.
     fn precondition(&self, residual: &[R]) -> Option<Vec<R>>;
 }
 
@@ -57,8 +57,8 @@ impl Patience {
     /// Whether it can suffice where springs are so many times as stiff as inertia. Preconditioned by blocks alone the system's condition is about
     /// this, and each product takes a factor of about exp(−2/√κ) off an error that is to fall by 10¹⁴; a coarse level needs some hundred at most.
     pub(super) fn can_suffice(self, springs_to_inertia: f64) -> bool {
-        let (decades, coarse_level) = (16.0, 100);
-        self.most >= coarse_level || decades * (1.0 + springs_to_inertia).sqrt() <= f64::from(self.most)
+        let (products_per_root, coarse_level) = (16.0, 100);
+        self.most >= coarse_level || products_per_root * (1.0 + springs_to_inertia).sqrt() <= f64::from(self.most)
     }
 }
 
@@ -74,6 +74,9 @@ impl<R: Solve> ConjugateGradients<'_, '_, '_, R> {
     pub(super) fn solve(&self, force: &[R], before: Option<&[R]>, patience: Patience) -> Option<Vec<R>> {
         let direction = self.preconditioner.precondition(force)?;
         let measure = dot(force, &direction);
+        if !measure.is_finite() || measure.below(R::ZERO) {
+            return None;
+        }
         let begin = match before {
             None => {
                 let solution = vec![R::ZERO; force.len()];
@@ -94,7 +97,8 @@ impl<R: Solve> ConjugateGradients<'_, '_, '_, R> {
         let Iterate { mut solution, mut residual, mut direction, mut left } = begin;
         let first = left.to_f64();
         for products in 0..=patience.most {
-            if !left.is_finite() {
+            // Below zero rounding has made of the preconditioner what is none.
+            if !left.is_finite() || left.below(R::ZERO) {
                 return None;
             }
             if !enough.below(left) {

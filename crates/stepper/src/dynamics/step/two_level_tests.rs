@@ -4,7 +4,7 @@ use super::bricks::bricks;
 use super::*;
 use crate::dynamics::conjugate_gradients::{ConjugateGradients, Patience, Preconditioner};
 use crate::dynamics::displacement::displacement;
-use crate::dynamics::island::islands;
+use crate::dynamics::island::{BySingle, SingleFactor, islands};
 use crate::dynamics::products::Products;
 use crate::dynamics::system::System;
 use crate::dynamics::two_level::TwoLevel;
@@ -13,8 +13,18 @@ use rockproof_model::simulation::Solver;
 
 /// Calls with the system of bricks of which some slide, and with their centroids by place (m).
 fn with_system(size: [u32; 3], motion: Motion, check: impl Fn(&System<'_, f64>, &[Vector<f64>])) {
+    with_system_of(size, motion, (Solver::ConjugateGradients, 0.01), check);
+}
+
+/// The same by a solver and with a Δt (s).
+fn with_system_of(
+    size: [u32; 3],
+    motion: Motion,
+    (solver, time_step): (Solver, f64),
+    check: impl Fn(&System<'_, f64>, &[Vector<f64>]),
+) {
     let (mut scene, set) = bricks(size, false, motion);
-    scene.simulation.control.solver = Solver::ConjugateGradients;
+    scene.simulation.control.solver = solver;
     let mut dynamics = Dynamics::<f64>::new(&scene, &set).expect("a scene");
     let mut contacts = dynamics.contacts();
     contacts.iter_mut().for_each(StepContact::reset::<SpecRules>);
@@ -24,7 +34,7 @@ fn with_system(size: [u32; 3], motion: Motion, check: impl Fn(&System<'_, f64>, 
         contact.iterate.mode = Mode::Sliding;
         contact.iterate.friction = Friction::along::<SpecRules>(slip, 1e8, contact.joint.shear, normal);
     }
-    let block_systems = dynamics.block_systems(0.01, false);
+    let block_systems = dynamics.block_systems(time_step, false);
     let unknowns: Vec<usize> = block_systems.iter().map(|block| block.unknowns).collect();
     let pairs: Vec<[u32; 2]> = contacts.iter().map(|contact| contact.blocks).collect();
     let modes: Vec<Mode> = contacts.iter().map(|contact| contact.iterate.mode).collect();
@@ -114,7 +124,6 @@ fn both_levels_are_those_of_plain_arithmetic() {
     }
 }
 
-/// A step that is ten times as short has a hundred times the inertia.
 #[test]
 fn whether_products_can_suffice_follows_from_springs_and_inertia() {
     with_system([3, 2, 4], Motion::Rigid, |system, _| {
@@ -138,20 +147,47 @@ fn whether_products_can_suffice_follows_from_springs_and_inertia() {
     });
 }
 
+/// The solution by a factor in f64.
+fn direct(system: &System<'_, f64>) -> Vec<f64> {
+    let pattern = &system.layout.pattern;
+    let all = vec![true; pattern.panel_count()];
+    let bearing = system.bearing(&all);
+    let (mut values, mut solution) = (vec![0.0; pattern.values()], system.force());
+    f64::factorize(pattern, &mut values, &all, &|panel, own| system.fill(panel, &bearing, own)).expect("a factor");
+    f64::substitute(pattern, &values, &mut solution).expect("a solution");
+    solution
+}
+
+/// `auto` has no factor where Δt is short. Where it is long, and where an iteration is given up since it begins far from the solution, a factor in f32 is
+/// made; either way the solution is that of a factor in f64.
+#[test]
+fn auto_takes_a_factor_where_products_do_not_suffice() {
+    for (time_step, far, has_factor) in [(1e-5, false, false), (1e-2, false, true), (2e-4, true, true)] {
+        with_system_of([6, 7, 8], Motion::Deformable, (Solver::Auto, time_step), |system, _| {
+            let (products, force, expected) = (Products::new(system), system.force(), direct(system));
+            let marked = vec![true; system.layout.pattern.panel_count()];
+            let mut single = SingleFactor::none(marked.len(), true);
+            single.before = far.then(|| expected.iter().zip(0..).map(|(_, k)| f64::from(k % 7) * 1e12).collect());
+            let mut memory = Vec::new();
+            let by_single = BySingle { products: &products, memory: &mut memory, force: &force };
+            assert!(by_single.solve(&mut single, &marked, usize::MAX, &mut IterationTimes::default()));
+            assert_eq!(!memory.is_empty(), has_factor, "Δt {time_step}");
+            let found = single.before.expect("a solution");
+            let largest = expected.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+            let apart = found.iter().zip(&expected).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+            assert!(apart < 1e-10 * largest, "Δt {time_step}: {apart} of {largest}");
+        });
+    }
+}
+
 #[test]
 fn solutions_without_a_factor_are_those_of_a_factor_in_f64() {
     for (size, motion) in
         [([5, 4, 6], Motion::Deformable), ([5, 5, 6], Motion::Rigid), ([14, 1, 12], Motion::Deformable)]
     {
         with_system(size, motion, |system, _| {
-            let (products, pattern) = (Products::new(system), &system.layout.pattern);
-            let force = system.force();
-            let all = vec![true; pattern.panel_count()];
-            let bearing = system.bearing(&all);
-            let (mut values, mut direct) = (vec![0.0; pattern.values()], force.clone());
-            f64::factorize(pattern, &mut values, &all, &|panel, own| system.fill(panel, &bearing, own))
-                .expect("a factor");
-            f64::substitute(pattern, &values, &mut direct).expect("a solution");
+            let (products, force) = (Products::new(system), system.force());
+            let direct = direct(system);
             let level = TwoLevel::new(&products).expect("a preconditioner");
             let gradients = ConjugateGradients { products: &products, preconditioner: &level };
             let near: Vec<f64> = direct.iter().map(|x| 1.001 * x).collect();
