@@ -135,7 +135,7 @@ fn a_program_that_changed_before_the_run_goes_on_is_told() {
         assert_eq!(code, 0, "{said}{err}");
         said
     };
-    let changed = "mine: its program changed while the campaign went on: 2 different ones were asked";
+    let changed = "mine: its program, or the first file among its arguments, changed while the campaign went on: 2 different ones were asked";
     write("").expect("written");
     assert!(!run("32", "--overwrite").contains(changed));
     assert!(!run("48", "--resume").contains(changed));
