@@ -56,6 +56,25 @@ fn a_search_goes_on_to_the_same_bytes_and_its_set_keeps_the_rules() {
     assert_eq!(code, 0, "{printed}{err}");
 }
 
+/// Candidate 2 differs on fewer pairs here than the best one, whose steps were compared with the oracle's.
+#[test]
+fn a_candidate_that_differs_on_fewer_pairs_is_named() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/rest_on_floor.toml");
+    let out = path(dir.path(), "out");
+    let more = ["--candidates", "4", "--seed", "5", "--engine", "stepper-f32"];
+    let (code, printed, err) = rockproof(&[&["tune", scene, "--out", &out], &more[..]].concat());
+    assert!(code == 0 || code == 1, "{err}");
+    let differ = |row: &HashMap<String, String>| {
+        ["standing_differ", "moved_differ", "near_differ"].iter().map(|name| number(row, name)).sum::<f64>()
+    };
+    let rows = rows(&out);
+    let least = rows.iter().min_by(|one, two| differ(one).total_cmp(&differ(two))).expect("candidates");
+    assert!(differ(least) < differ(best(&rows)), "{printed}");
+    let named = format!("; candidate {} differs on {} of ", least["candidate"], differ(least));
+    assert!(printed.contains(&named) && !printed.contains("no candidate"), "{named}: {printed}");
+}
+
 /// The rows of `candidates.csv` by the names of its columns.
 fn rows(dir: &str) -> Vec<HashMap<String, String>> {
     let mut reader = csv::Reader::from_path(Path::new(dir).join("candidates.csv")).expect("a table");

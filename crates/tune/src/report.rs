@@ -30,7 +30,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
         return writeln!(out, "Nothing was tried.");
     };
     writeln!(out, "# Tolerances for {name}, {}\n", evaluator.precision())?;
-    verdict(out, &evaluated[best], best == 0)?;
+    verdict(out, evaluated, best)?;
     overlaps(out, &evaluated[best].measurement, evaluator.overlapping())?;
     writeln!(out, "\n```toml\n{}```\n", as_toml(&evaluated[best].set))?;
     writeln!(out, "## Measured on\n")?;
@@ -87,7 +87,8 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     } else {
         writeln!(
             out,
-            "{} candidates keep every rule, and none is worse than another in every respect. Here are {}: first the one recommended, then by pairs that differ, then by how far blocks sink:\n",
+            "Of {} candidates that keep every rule, {} are beaten by no other in all of: pairs that differ, sinking, slack, the length of a step, and contacts changed by tolerances. Here are {}: first the one recommended, then by pairs that differ, then by how far blocks sink:\n",
+            evaluated.iter().filter(|candidate| candidate.measurement.violated.is_empty()).count(),
             front.len(),
             shown.len()
         )?;
@@ -198,10 +199,11 @@ fn lockstep(m: &Measurement) -> String {
     m.lockstep.as_ref().map_or("–".to_owned(), |lockstep| format!("{} of {}", lockstep.differ, lockstep.steps))
 }
 
-fn verdict(out: &mut String, best: &EvaluatedCandidate, is_author: bool) -> std::fmt::Result {
-    let m = &best.measurement;
+/// What was found of the best of these candidates.
+fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize) -> std::fmt::Result {
+    let m = &tried[best].measurement;
     let d = &m.differences;
-    if is_author {
+    if best == 0 {
         writeln!(out, "The author's own set is the best of what was tried.\n")?;
     }
     match d.avoidable() {
@@ -210,8 +212,9 @@ fn verdict(out: &mut String, best: &EvaluatedCandidate, is_author: bool) -> std:
         }
         n => writeln!(
             out,
-            "Engine and oracle differ on {n} of {} pairs that are not exactly on a boundary; no candidate did better.",
-            d.examined()
+            "Engine and oracle differ on {n} of {} pairs that are not exactly on a boundary; {}.",
+            d.examined(),
+            with_fewer_differences(tried, m)
         )?,
     }
     match m.violated.is_empty() {
@@ -221,7 +224,14 @@ fn verdict(out: &mut String, best: &EvaluatedCandidate, is_author: bool) -> std:
             m.tightest.factor,
             m.tightest.rule.formula()
         )?,
-        false => writeln!(out, "No candidate met every rule; this one breaks: {}.", formulas(&m.violated))?,
+        false => {
+            let others = match tried.iter().filter(|other| other.measurement.violated.is_empty()).count() {
+                0 => "No candidate met every rule; this one breaks".to_owned(),
+                1 => "One candidate meets every rule, but is worse in what counts before; this one breaks".to_owned(),
+                n => format!("{n} candidates meet every rule, but are worse in what counts before; this one breaks"),
+            };
+            writeln!(out, "{others}: {}.", formulas(&m.violated))?;
+        }
     }
     match &m.steps_measured.stopped {
         None if m.steps_measured.overlaps.sunk == 0.0 => {
@@ -249,6 +259,30 @@ fn verdict(out: &mut String, best: &EvaluatedCandidate, is_author: bool) -> std:
         ),
         None => Ok(()),
     }
+}
+
+/// Which candidate differs on the fewest pairs, fewer than the best one, and why it is not the best: in the order of [`Measurement::merit`].
+fn with_fewer_differences(tried: &[EvaluatedCandidate], best: &Measurement) -> String {
+    let differ = |m: &Measurement| m.differences.avoidable();
+    let fewer = tried.iter().enumerate().filter(|(_, other)| differ(&other.measurement) < differ(best));
+    let Some((number, other)) = fewer.min_by_key(|(_, other)| differ(&other.measurement)) else {
+        return "no candidate differs on fewer".to_owned();
+    };
+    let other = &other.measurement;
+    let broken = other.violated.len();
+    let why = if other.lost_pairs > 0 && best.lost_pairs == 0 {
+        "but loses pairs of the model".to_owned()
+    } else if broken > best.violated.len() {
+        format!("but breaks {broken} {}", noun(broken as u64, "rule", "rules"))
+    } else if other.differences.standing[1] > best.differences.standing[1] {
+        "but on more of the pairs as they stand".to_owned()
+    } else if other.lockstep.is_none() {
+        "which may be chance: each set has perturbed pairs of its own; its steps were not compared with the oracle's"
+            .to_owned()
+    } else {
+        "which may be chance: each set has perturbed pairs of its own; it is worse in what is compared next".to_owned()
+    };
+    format!("candidate {number} differs on {} of {}, {why}", differ(other), other.differences.examined())
 }
 
 /// What the set makes of blocks that overlap before the first step.
