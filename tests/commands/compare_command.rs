@@ -1,5 +1,6 @@
 //! Pins `compare`: what it says of runs over the same pairs and over others, what it leaves out, what it refuses.
 
+use crate::campaigns::{Campaigns, SETTINGS};
 use crate::engines::client;
 use crate::place::rockproof_in;
 use serde_json::Value;
@@ -25,6 +26,12 @@ fn campaign(dir: &Path, out: &str, trick: &str, more: &[&str]) {
     assert_eq!(code, 0, "{err}");
 }
 
+/// How the sorts of findings fared.
+fn trends(of: &Value) -> Vec<String> {
+    let classes = of["findings"]["classes"].as_array().expect("classes");
+    classes.iter().map(|class| class["trend"].as_str().expect("a trend").to_owned()).collect()
+}
+
 fn document(text: &str) -> Value {
     serde_json::from_str(text).expect("a document")
 }
@@ -48,10 +55,6 @@ fn the_same_pairs_tell_everything() {
     assert!(code == 1 && text.contains("new") && text.contains("mine") && text.contains("external:"), "{code}: {text}");
     let worse = document(&rockproof_in(dir, &["compare", "before", "after", "--format", "json"]).1);
     let better = document(&rockproof_in(dir, &["compare", "after", "before", "--format", "json"]).1);
-    let trends = |of: &Value| -> Vec<String> {
-        let classes = of["findings"]["classes"].as_array().expect("classes");
-        classes.iter().map(|class| class["trend"].as_str().expect("a trend").to_owned()).collect()
-    };
     let count = |of: &Value, trend: &str| trends(of).iter().filter(|found| *found == trend).count();
     assert!(count(&worse, "new") > 0 && count(&worse, "gone") == count(&better, "new"), "{worse:#}");
     assert_eq!(count(&worse, "new"), count(&better, "gone"));
@@ -84,6 +87,24 @@ fn the_same_pairs_tell_everything() {
     assert!(page.contains("Which findings changed?") && dir.join("page/tables/changed.csv").is_file());
     let (code, _, err) = rockproof_in(dir, &["compare", "before", "after", "--out", "page"]);
     assert!(code == 2 && err.contains("--overwrite"), "{err}");
+}
+
+#[test]
+fn a_part_is_compared_with_the_whole_pair_by_pair() {
+    let campaigns = Campaigns::new(SETTINGS);
+    let [thirds, halves] = [3, 2].map(|of| campaigns.parts(of, &[]));
+    campaigns.campaign("whole", &[]);
+    let compare = |one: &str, two: &str| campaigns.run(&["compare", one, two, "--format", "json", "--deny", "new"]);
+    // Sixteen batches: parts of five, five and six.
+    for (part, pairs) in thirds.iter().zip([80, 80, 90]) {
+        let (code, out, err) = compare("whole", part);
+        let found = document(&out);
+        assert_eq!((code, found["same_pairs"].as_u64()), (0, Some(pairs)), "{part}: {out}{err}");
+        assert!(!trends(&found).is_empty() && trends(&found).iter().all(|trend| trend == "same"), "{part}: {out}");
+    }
+    let (code, out, err) = compare(&thirds[1], &halves[1]);
+    assert!(code == 2 && err.contains("share pairs from 128 to 159 and have others each alone"), "{out}{err}");
+    assert_eq!(document(&compare(&thirds[0], &thirds[1]).1)["same_pairs"], Value::Null);
 }
 
 #[test]

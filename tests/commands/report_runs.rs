@@ -1,5 +1,6 @@
 //! Pins what `report` says of runs that made no step, of a run that is named twice, of tables of counts that were cut off, and of a damaged case.
 
+use crate::campaigns::{Campaigns, SETTINGS};
 use crate::place::rockproof;
 use crate::report_command::{copy, run};
 use std::fs;
@@ -27,6 +28,43 @@ fn a_run_that_is_named_twice_is_refused() {
     for other in [run, &format!("{run}/."), link.to_str().expect("text")] {
         let (code, out, err) = rockproof(&["report", run, other, "--format", "markdown"]);
         assert!(code == 2 && err.contains("are the same run, which would count twice"), "{other}: {out}{err}");
+    }
+}
+
+/// A copy of a run, or a part beside the whole, has the same pairs under another path.
+#[test]
+fn runs_of_one_campaign_may_not_share_pairs() {
+    let campaigns = Campaigns::new(SETTINGS);
+    let dirs = campaigns.parts(2, &[]);
+    campaigns.campaign("whole", &["--engine", "stepper-f64"]);
+    campaigns.campaign("again", &["--engine", "stepper-f64,stepper-f32"]);
+    campaigns.campaign("single", &["--engine", "stepper-f32"]);
+    let report = |one: &str, two: &str| campaigns.run(&["report", one, two, "--format", "markdown"]);
+    for (one, two, [first, last]) in
+        [("whole", "again", [0, 249]), (&dirs[0], "whole", [0, 127]), ("again", &dirs[1], [128, 249])]
+    {
+        let (code, out, err) = report(one, two);
+        let why = format!(
+            "{one} and {two} are runs of one campaign (the same seed and settings) and share pairs from {first} to {last},"
+        );
+        assert!(code == 2 && err.contains(&why) && out.is_empty(), "{one} {two}: {out}{err}");
+    }
+    // Other pairs, or another engine.
+    for (one, two) in [(dirs[0].as_str(), dirs[1].as_str()), ("whole", "single")] {
+        let (code, out, err) = report(one, two);
+        assert!(code == 0 && !out.is_empty(), "{one} {two}: {out}{err}");
+    }
+}
+
+#[test]
+fn a_campaign_that_was_killed_is_said_to_be_one() {
+    let (dir, path) = copy();
+    fs::remove_file(dir.path().join("run.json")).expect("removed");
+    fs::write(dir.path().join("progress.json"), "{}").expect("written");
+    for arguments in [["report", &path, "--quiet"], ["compare", &path, &path]] {
+        let (code, _, err) = rockproof(&arguments);
+        let told = "there is no run.json: the campaign was killed, or still runs; finish it with --resume";
+        assert!(code == 2 && err.contains(told), "{arguments:?}: {err}");
     }
 }
 

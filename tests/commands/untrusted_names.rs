@@ -121,8 +121,9 @@ fn reports_show_the_names_of_runs() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     let (run, other) = (format!("run {NASTY}"), format!("other {NASTY}"));
-    for out in [&run, &other] {
-        let (code, _, err) = rockproof_in(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", out]);
+    for (out, seed) in [(&run, "1"), (&other, "2")] {
+        let campaign = ["campaign", "--pairs", "64", "--family", "sliver", "--seed", seed, "--out", out];
+        let (code, _, err) = rockproof_in(dir, &campaign);
         assert_eq!(code, 0, "{err}");
     }
     let (code, out, err) = rockproof_in(dir, &["report", &run, &other, "--title", NASTY, "--out", "page"]);

@@ -9,6 +9,7 @@ use super::tally::{CampaignTally, ClassCount, TallyRow};
 use rockproof_differential::lockstep::Intrusion;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// What makes two findings of one sort.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -82,8 +83,8 @@ pub struct FindingComparison {
 /// What of two campaigns can be compared.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Comparable {
-    /// How many pairs, from the first, are the same in both; nothing where number and pair do not go together.
-    pub same_pairs: Option<u64>,
+    /// The numbers of the pairs that both examined; nothing where number and pair do not go together.
+    pub same_pairs: Option<Vec<Range<u64>>>,
     /// Whom findings may be about, as `findings.csv` has it: what takes part in both.
     pub engines: BTreeSet<String>,
 }
@@ -105,10 +106,12 @@ impl FindingComparison {
         let left_out = groups.map(|groups| {
             groups.difference(&shared).map(|(family, set)| format!("{family} under {set}")).collect::<Vec<_>>()
         });
-        let pairs = comparable.same_pairs.unwrap_or(u64::MAX);
+        let same = |index: u64| {
+            comparable.same_pairs.as_ref().is_none_or(|pairs| pairs.iter().any(|range| range.contains(&index)))
+        };
         let mut classes: BTreeMap<ComparedClass, Hits> = BTreeMap::new();
         for (side, run) in runs.into_iter().enumerate() {
-            for row in run.rows.iter().filter(|row| shared.contains(&row.group()) && row.index() < pairs) {
+            for row in run.rows.iter().filter(|row| shared.contains(&row.group()) && same(row.index())) {
                 let class = row.class();
                 if comparable.engines.contains(&class.engine) {
                     classes.entry(class).or_default()[side].push((row.index(), row.group().1));

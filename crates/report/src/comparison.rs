@@ -3,6 +3,7 @@
 use super::Report;
 use super::error::ReportError;
 use super::load::{CampaignRun, RunFile, agreeing_share, last_name};
+use super::pair_numbers::{self, PairNumbers};
 use super::sections::{Section, SectionPart};
 use super::table::{Table, TableCell, grouped};
 use super::verdict::{Severity, VerdictLine};
@@ -46,7 +47,7 @@ pub struct RunComparison {
     pub runs: [String; 2],
     /// Pairs examined, before and after.
     pub pairs: [u64; 2],
-    /// How many pairs, from the first, are the same in both; nothing where the runs are over different pairs.
+    /// How many pairs are the same in both: all of the shorter run; nothing where the runs are over different pairs.
     pub same_pairs: Option<u64>,
     /// The settings in which they differ.
     pub settings: Vec<SettingChange>,
@@ -58,37 +59,24 @@ pub struct RunComparison {
     pub agreement: Vec<ShareChange>,
 }
 
-/// Settings that say nothing about which pairs there are, which steps they make and under which tolerances.
-const NOT_ABOUT_PAIRS: [&str; 9] = [
-    "pairs",
-    "chunk",
-    "engines",
-    "external",
-    "ask_twice",
-    "cases_per_cause",
-    "cases_per_fingerprint",
-    "shrink_evaluations",
-    "metamorphic_every",
-];
-
 impl RunComparison {
     /// Compares the campaigns in two directories.
     ///
     /// # Errors
-    /// When one is no campaign, is damaged, or was made by another version.
+    /// When one is no campaign, is damaged, or was made by another version, or when they share a part of their pairs alone.
     pub fn of(before: &Path, after: &Path) -> Result<RunComparison, ReportError> {
         let dirs = [before, after];
         let [first, second] = [CampaignRun::open(before)?, CampaignRun::open(after)?];
         let settings = differences(&first.run.configuration, &second.run.configuration);
         let runs = [&first, &second];
-        let same = !settings.iter().any(|change| !NOT_ABOUT_PAIRS.contains(&change.setting.as_str()));
         let pairs = runs.map(|run| run.run.pairs);
-        let same_pairs = same.then(|| pairs[0].min(pairs[1]));
+        let shared = shared_pairs(runs)?;
+        let same_pairs = shared.as_ref().map(PairNumbers::count);
         let engines = runs.map(|run| run.run.scopes());
-        let shared: BTreeSet<String> = engines[0].intersection(&engines[1]).cloned().collect();
-        let engines_left_out = engines.map(|engines| engines.difference(&shared).cloned().collect());
+        let in_both: BTreeSet<String> = engines[0].intersection(&engines[1]).cloned().collect();
+        let engines_left_out = engines.map(|engines| engines.difference(&in_both).cloned().collect());
         let tallies = [CampaignTally::read(before)?, CampaignTally::read(after)?];
-        let comparable = Comparable { same_pairs, engines: shared };
+        let comparable = Comparable { same_pairs: shared.map(PairNumbers::into_ranges), engines: in_both };
         let findings = FindingComparison::of(&tallies[0], &tallies[1], &comparable);
         let agreement = shares(runs);
         let names =
@@ -279,6 +267,23 @@ impl RunFile {
 }
 
 /// The settings in which two runs differ.
+/// The pairs that both runs examined, all of those of the shorter one; `None` where the same number is another pair, or they have none in common.
+fn shared_pairs(runs: [&CampaignRun; 2]) -> Result<Option<PairNumbers>, ReportError> {
+    let [one, two] = runs.map(|run| PairNumbers::of(&run.run));
+    let shared = one.shared(&two);
+    if !pair_numbers::are_of_one_campaign(&runs[0].run.configuration, &runs[1].run.configuration) || shared.count() == 0
+    {
+        return Ok(None);
+    }
+    if !shared.are_certain() || shared.count() < one.count().min(two.count()) {
+        return Err(ReportError::Overlap {
+            dirs: runs.map(|run| run.dir.clone()),
+            shared: shared.ends().unwrap_or_default(),
+        });
+    }
+    Ok(Some(shared))
+}
+
 fn differences(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<SettingChange> {
     let names: BTreeSet<&String> = before.keys().chain(after.keys()).collect();
     let change = |name: &String| SettingChange {

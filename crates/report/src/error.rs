@@ -22,6 +22,32 @@ pub enum ReportError {
         /// The directories as given.
         dirs: [PathBuf; 2],
     },
+    /// Runs of one campaign that have pairs in common.
+    #[error(
+        "{} and {} are runs of one campaign (the same seed and settings) and share pairs from {} to {}, which would count twice: name runs without common pairs, or one of these alone", dirs[0].display(), dirs[1].display(), shared[0], shared[1]
+    )]
+    Shared {
+        /// The directories as given.
+        dirs: [PathBuf; 2],
+        /// The numbers of the first and the last pair that both have.
+        shared: [u64; 2],
+    },
+    /// Runs of one campaign of which neither has all pairs of the other, which can be compared neither pair by pair nor as independent ones.
+    #[error(
+        "{} and {} are runs of one campaign (the same seed and settings) that share pairs from {} to {} and have others each alone; of such runs one must have all pairs of the other to be compared", dirs[0].display(), dirs[1].display(), shared[0], shared[1]
+    )]
+    Overlap {
+        /// The directories as given.
+        dirs: [PathBuf; 2],
+        /// The numbers of the first and the last pair that both have.
+        shared: [u64; 2],
+    },
+    /// A campaign that wrote no tables yet.
+    #[error("{dir}: there is no run.json: the campaign was killed, or still runs; finish it with --resume")]
+    NotWritten {
+        /// The directory.
+        dir: PathBuf,
+    },
     /// A line of a file that says something it cannot.
     #[error("{file}: line {line}: {found}; expected {expected}")]
     Damaged {

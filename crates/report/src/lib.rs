@@ -17,6 +17,7 @@ pub mod model_view;
 pub mod motion;
 mod motion_verdict;
 pub mod page;
+mod pair_numbers;
 mod rows;
 mod safe_levels;
 pub mod sections;

@@ -3,6 +3,7 @@
 // Longer than 400 lines: every kind of run, its files and what is refused of them.
 
 use super::error::{ReportError, at};
+use super::pair_numbers::{self, PairNumbers};
 use super::rows::CsvTable;
 use super::step_tally::StepTally;
 use super::tally::FindingTally;
@@ -189,6 +190,7 @@ impl Results {
                 results.timings.push(timing::TimingRun::read(dir)?);
             }
         }
+        results.refuse_shared_pairs()?;
         let mut names: Vec<String> = results.campaigns.iter().map(|c| c.name.clone()).collect();
         names.sort();
         if names.windows(2).any(|two| two[0] == two[1]) {
@@ -197,6 +199,23 @@ impl Results {
             }
         }
         Ok(results)
+    }
+
+    /// Pairs that two runs have, with an engine that takes part in both, would count twice.
+    fn refuse_shared_pairs(&self) -> Result<(), ReportError> {
+        for (at, one) in self.campaigns.iter().enumerate() {
+            let engines = one.engines();
+            for two in &self.campaigns[at + 1..] {
+                let shared = PairNumbers::of(&one.run).shared(&PairNumbers::of(&two.run));
+                let same = pair_numbers::are_of_one_campaign(&one.run.configuration, &two.run.configuration);
+                if let (Some(shared), true) =
+                    (shared.ends(), same && two.engines().iter().any(|name| engines.contains(name)))
+                {
+                    return Err(ReportError::Shared { dirs: [one.dir.clone(), two.dir.clone()], shared });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Runs of a scene that have no lockstep.
@@ -256,7 +275,12 @@ pub(super) fn read_json<T: for<'d> Deserialize<'d>>(file: &Path) -> Result<T, Re
 
 impl CampaignRun {
     fn read(dir: &Path) -> Result<CampaignRun, ReportError> {
-        let run: RunFile = read_json(&dir.join("run.json"))?;
+        let file = dir.join("run.json");
+        // A campaign writes it last, and its journal from the beginning.
+        if !file.exists() && dir.join("progress.json").is_file() {
+            return Err(ReportError::NotWritten { dir: dir.to_owned() });
+        }
+        let run: RunFile = read_json(&file)?;
         let agreement = read_agreement(&dir.join("agreement.csv"))?;
         let confusion = read_confusion(&dir.join("confusion.csv"))?;
         let file = dir.join("findings.csv");
