@@ -48,8 +48,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
   rockproof campaign --stress                         how far from the origin, how thin, how parallel (docs/stress.md)
   rockproof campaign --engine-command mine:f32=./client --ask-twice   your own program (docs/engines.md)
 
-A finding's engine is `any` for a tolerance (it changes the exact answer for everyone), `f32` or `f64` for what rounding
-the input does, and an engine's name for its own arithmetic.
+A finding's engine is `any` for a tolerance (it changes the exact answer for everyone; `f32` or `f64` under a set that
+depends on the precision), `f32` or `f64` for what rounding the input does, and an engine's name for its own arithmetic.
 
 Exit status: 0 done, 1 findings that --deny names, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Campaign {

@@ -20,7 +20,7 @@ use rockproof_differential::external::spec::replay_command;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::PairSource;
 use rockproof_gate::answers::{self, Answers};
-use rockproof_gate::config::{Baseline, GateConfig};
+use rockproof_gate::config::{Baseline, GateConfig, line_of};
 use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::tally::{CampaignTally, TallyRow};
 use rockproof_gate::{self, Check, corpus, junit, limit_scope, summary};
@@ -109,7 +109,7 @@ impl Gate {
         let config = GateConfig::from_toml(&text, &file).map_err(anyhow::Error::msg)?;
         let engines = Engines::of(&config.campaign).with_context(|| file.clone())?;
         let source = source::of(&config.campaign).with_context(|| file.clone())?;
-        self.check_names(&config, &engines)?;
+        self.check_names(&config, &engines, &text)?;
         limit_scope::check(&config, &source, (&file, &text)).map_err(anyhow::Error::msg)?;
         anyhow::ensure!(
             !config.limit.is_empty() || config.baseline.is_some() || !corpus::files(&config.corpus)?.is_empty(),
@@ -152,14 +152,15 @@ impl Gate {
         self.report_checks(&checks, &gating)
     }
 
-    fn check_names(&self, config: &GateConfig, engines: &Engines) -> anyhow::Result<()> {
+    fn check_names(&self, config: &GateConfig, engines: &Engines, text: &str) -> anyhow::Result<()> {
         let names = engines.names();
         let allowed: Vec<&str> = ["any", "f32", "f64"].into_iter().chain(names.iter().map(String::as_str)).collect();
-        for limit in config.limit.iter().map(toml::Spanned::get_ref) {
-            let file = self.file.display();
+        for limit in &config.limit {
+            let (file, line) = (self.file.display(), line_of(text, limit.span().start));
+            let limit = limit.get_ref();
             if let Some(found) = limit.engine.as_ref().filter(|name| !allowed.contains(&name.as_str())) {
                 let found = excerpt(found, EXCERPT_LENGTH);
-                anyhow::bail!("{file}: limit: engine is \"{found}\"; allowed are {}", allowed.join(", "));
+                anyhow::bail!("{file} line {line}: engine is \"{found}\"; allowed are {}", allowed.join(", "));
             }
             let names = |list: &Option<String>| list.iter().cloned().collect::<Vec<_>>();
             // A set from a file is called by the file's stem.
@@ -167,7 +168,7 @@ impl Gate {
             let set = limit.tolerances.clone().filter(|name| !own.contains(name));
             let narrowed =
                 CampaignConfig { families: names(&limit.family), tolerances: names(&set), ..CampaignConfig::default() };
-            source::of(&narrowed).with_context(|| format!("{file}: limit"))?;
+            source::of(&narrowed).with_context(|| format!("{file} line {line}"))?;
         }
         Ok(())
     }
@@ -311,7 +312,7 @@ impl Gating<'_> {
         checks.extend(answers);
         for spec in &self.config.campaign.external {
             let (sum, of) = (self.answers.entry(spec.name.clone()).or_default(), tally.answers(&spec.name));
-            *sum = Answers { answered: sum.answered + of.answered, asked: sum.asked + of.asked };
+            sum.add(of);
         }
         if let Some(baseline) = self.config.baseline.as_ref() {
             if let Some(known) = known {

@@ -25,7 +25,7 @@ pub(crate) fn on_ctrl_c_silently() -> anyhow::Result<Arc<AtomicBool>> {
     stop_flag(end_all, |_| {}).context(NO_HANDLER)
 }
 
-/// For commands that have nothing to go on from: Ctrl-C ends the program at once, and its engines with it.
+/// For commands that have nothing to go on from: Ctrl-C ends the program at once, and its engines with it, and the user is told.
 ///
 /// # Errors
 /// As [`on_ctrl_c`].
@@ -34,6 +34,7 @@ pub(crate) fn end_on_ctrl_c() -> anyhow::Result<()> {
         // First, for a command whose engine is ended may come to its own end before this thread goes on.
         ENDED.store(true, Ordering::SeqCst);
         end_all();
+        print_note("interrupted; there is nothing to go on from, so run the command again");
         std::process::exit(INTERRUPTED.into());
     })
     .context(NO_HANDLER)

@@ -2,6 +2,9 @@
 
 use crate::engines::client;
 use crate::gates::{Ran, around, gate};
+use crate::place::Place;
+use rockproof_gate::config::GateConfig;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// An engine that says the same to every question.
@@ -123,9 +126,34 @@ fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
         ("family = \"face_stack\"", "family face_stack is none of its families, which are sliver"),
         ("tolerances = \"shi\"", "tolerances shi are none of its sets, which are auto"),
         ("engine = \"f32\"", "no engine that is given f32 takes part"),
+        ("change = \"swap\"", "(campaign.metamorphic_every is 0)"),
+    ] {
+        let sliver = format!("{sliver}metamorphic_every = 0\n");
+        let (code, said) = own(dir.path(), &sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));
+        assert!(code == 2 && said.contains("gate.toml line 8: the limit ") && said.contains(why), "{limit}: {said}");
+    }
+    // No campaign has such findings.
+    for (limit, why) in [
+        ("change = \"passage\"\nkind = \"v-v\"", "kind is that of a contact"),
+        ("change = \"passage\"\nbeyond_ulps = 10", "beyond_ulps leaves out what has no margin"),
+        ("cause = \"not-held\"\nbeyond_ulps = 10", "beyond_ulps leaves out what has no margin"),
+        ("cause = \"tolerance\"\nbeyond_ulps = 0", "beyond_ulps counts roundoffs"),
+        ("cause = \"tolerance\"\nchange = \"collapsed\"", "allowed with this change: representation"),
+        ("cause = \"representation\"\nchange = \"swap\"", "allowed with this change: arithmetic, defect, engine"),
+        ("change = \"collapsed\"\nkind = \"v-v\"", "kind is that of a contact"),
     ] {
         let (code, said) = own(dir.path(), sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));
-        assert!(code == 2 && said.contains("gate.toml line 7: the limit ") && said.contains(why), "{limit}: {said}");
+        assert!(code == 2 && said.contains("gate.toml line 7: ") && said.contains(why), "{limit}: {said}");
+    }
+    // Nor has this one, in which no external engine takes part.
+    for (limit, why) in [
+        ("engine = \"f64\"\ncause = \"defect\"", "about one engine, by its name, not about f64"),
+        ("engine = \"any\"\ncause = \"arithmetic\"", "about one engine, by its name, not about any"),
+        ("change = \"crash\"", "only external engines have this change, and none takes part"),
+        ("change = \"state\"", "only external engines have this change, and none takes part"),
+    ] {
+        let (code, said) = own(dir.path(), sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));
+        assert!(code == 1 && said.contains("skip") && said.contains(why), "{limit}: {said}");
     }
     let of_engines = format!("corpus = []\n[campaign]\n{sliver}[[limit]]\ncause = \"engine\"\ncount = 0\n");
     let Ran { code, out, err } = gate(dir.path(), &of_engines, &[], true);
@@ -143,6 +171,64 @@ fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
     let limits = "[[limit]]\nfamily = \"sliver\"\ncount = 0\n[[limit]]\ncause = \"defect\"\ncount = 0\n";
     let (code, said) = own(dir.path(), few, limits);
     assert!(code == 0 && said.contains("skip") && said.contains("no pair with family sliver was examined"), "{said}");
+}
+
+/// So that no limit on what there is is refused: each sort of finding that a campaign has may be limited.
+#[test]
+fn what_a_campaign_finds_may_be_limited() {
+    let place = Place::new();
+    place.file(
+        "mine.sh",
+        "exec sed -u 's/^{\"id\":\\([0-9]*\\),.*/{\"id\":\\1,\"state\":\"overlapping\",\"depth\":1}/'\n",
+    );
+    let campaign =
+        ["campaign", "--pairs", "1024", "--steps-every", "8", "--out", "run", "--tolerances", "auto,shi,zero"];
+    let mine = ["--engine", "stepper-f32,stepper-f64,mine", "--engine-command", "mine=sh mine.sh"];
+    let (code, out, err) = place.run(&[&campaign[..], &mine].concat());
+    assert_eq!(code, 0, "{out}{err}");
+    let mut sorts: BTreeSet<String> = BTreeSet::new();
+    for row in ["run/findings.csv", "run/step_findings.csv"].iter().flat_map(|table| place.rows(table)) {
+        let mut limit = format!("cause = \"{}\"\nchange = \"{}\"\ncount = 0\n", row["cause"], row["change"]);
+        let kind = row.get("kind").or_else(|| row.get("kind_before").filter(|kind| !kind.is_empty()));
+        let kind = kind.or_else(|| row.get("kind_after")).filter(|kind| kind.contains('-'));
+        limit.extend(kind.map(|kind| format!("kind = \"{kind}\"\n")));
+        if !row["margin_ulps"].is_empty() {
+            limit.push_str("beyond_ulps = 0\n");
+        }
+        sorts.insert(limit);
+    }
+    for limit in &sorts {
+        let read = GateConfig::from_toml(&format!("[[limit]]\n{limit}"), "gate.toml");
+        assert!(read.is_ok(), "{limit}: {}", read.expect_err("refused"));
+    }
+    for some in
+        ["not-held", "\"unseen\"", "\"mode\"", "\"state\"", "tolerance", "representation", "arithmetic", "engine"]
+    {
+        assert!(sorts.iter().any(|limit| limit.contains(some)), "{some}: {sorts:?}");
+    }
+}
+
+/// An engine that says only how blocks lie can break no limit on contacts, and one that names contacts none on how they lie.
+#[cfg(unix)]
+#[test]
+fn a_limit_on_what_an_engine_does_not_say_is_none_on_its_answers() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let apart = always(r#""state":"apart","gap":1"#);
+    let contacts = always(r#""contacts":[]"#);
+    for (engine, limit, passes) in [
+        (&apart, "change = \"missing\"", false),
+        (&apart, "kind = \"v-v\"", false),
+        (&apart, "change = \"state\"", true),
+        (&apart, "", true),
+        (&contacts, "change = \"state\"", false),
+        (&contacts, "change = \"missing\"", true),
+    ] {
+        let limit = format!("[[limit]]\nengine = \"mine\"\n{limit}\ncount = 9999\n");
+        let ran = gate(dir.path(), &around_engine(engine, &limit), &[], false);
+        let row = ran.out.lines().find(|line| line.contains("engine mine answers")).expect("a row");
+        let told = (ran.code == 0, row.contains(" pass "), row.contains("whatever it answers would pass"));
+        assert_eq!(told, (passes, passes, !passes), "{limit}: {}{}", ran.out, ran.err);
+    }
 }
 
 #[test]

@@ -103,6 +103,9 @@ fn a_gate_limits_passages_by_count_and_rate() {
         ("change = \"passage\"\nrate = 0.9\n", 1),
         ("cause = \"step-length\"\ncount = 0\n", 1),
         ("cause = \"step-width\"\ncount = 0\n", 2),
+        // No engine's mistake, but in the steps of this one.
+        ("engine = \"stepper-f64\"\nchange = \"passage\"\ncount = 0\n", 1),
+        ("engine = \"stepper-f64\"\ncause = \"step-length\"\ncount = 0\n", 1),
     ] {
         let ran = gate(dir.path(), &format!("{campaign}{limit}"), &[], false);
         assert_eq!(ran.code, code, "{limit}: {}{}", ran.out, ran.err);

@@ -65,6 +65,23 @@ impl AnswerChange {
         )
     }
 
+    /// Whether it is about a contact that was found or not, or found otherwise.
+    pub fn is_of_contacts(self) -> bool {
+        matches!(
+            self,
+            AnswerChange::Missing
+                | AnswerChange::Extra
+                | AnswerChange::Kind
+                | AnswerChange::Entrance
+                | AnswerChange::GapSign
+        )
+    }
+
+    /// Whether it is about how blocks lie, as engines say that name no contacts.
+    pub fn is_of_states(self) -> bool {
+        matches!(self, AnswerChange::State | AnswerChange::Gap | AnswerChange::Normal)
+    }
+
     /// Whether an engine gave no answer that can be used, or two: however near the pair is to a tie, rounding is no reason for that.
     pub fn is_unusable(self) -> bool {
         matches!(

@@ -14,9 +14,18 @@ pub struct Answers {
     pub answered: u64,
     /// Pairs that it was asked about.
     pub asked: u64,
+    /// Pairs whose contacts it named; of the others that it answered it said only how the blocks lie.
+    pub with_contacts: u64,
 }
 
 impl Answers {
+    /// Adds the answers to other pairs.
+    pub fn add(&mut self, other: Answers) {
+        self.answered += other.answered;
+        self.asked += other.asked;
+        self.with_contacts += other.with_contacts;
+    }
+
     /// How many it answered, in words.
     pub fn words(&self) -> String {
         format!("answered {} of {} {}", self.answered, self.asked, noun(self.asked, "pair", "pairs"))
@@ -39,7 +48,7 @@ pub fn checks(
         let name = &spec.name;
         let answers = tally.answers(name);
         let mut checked = config.limit.iter().zip(limits).filter(|(_, check)| check.status != CheckStatus::Skip);
-        let is_limited = checked.any(|(limit, _)| limit_scope::concerns(limit.get_ref(), spec));
+        let is_limited = checked.any(|(limit, _)| limit_scope::concerns(limit.get_ref(), spec, &answers));
         // Limits count what was answered: where that is the smaller part, they say next to nothing.
         let silent = answers.answered < answers.asked - answers.answered;
         let (status, message) = if answers.asked == 0 {

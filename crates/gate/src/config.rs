@@ -1,5 +1,6 @@
 //! What a gate file says.
 
+use super::possible_findings;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::steps::StepChange;
 use rockproof_differential::compare::AnswerChange;
@@ -51,7 +52,7 @@ pub struct Baseline {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FindingLimit {
-    /// The engine; or `any`, `f32`, `f64` as in `findings.csv`.
+    /// The engine; or `any`, `f32`, `f64` as in `findings.csv`. Of passages and unseen overlaps the engine in whose steps they are, whoever shares them.
     pub engine: Option<String>,
     /// The tolerance set.
     pub tolerances: Option<String>,
@@ -167,6 +168,9 @@ impl FindingLimit {
                     "a limit of change \"{RECOVERED}\" is about questions, not findings: it may name engine, and needs count"
                 ));
             }
+        }
+        if let Some(why) = possible_findings::contradiction(self) {
+            return Err(why);
         }
         match (self.count, self.rate) {
             (Some(_), None) if self.confidence.is_some() => Err("confidence belongs to a rate, not to a count".into()),

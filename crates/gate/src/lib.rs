@@ -8,6 +8,7 @@ pub mod junit;
 pub mod known_findings;
 pub mod limit_count;
 pub mod limit_scope;
+mod possible_findings;
 pub mod tally;
 
 use config::{FindingLimit, GateConfig, RECOVERED, line_of};

@@ -1,6 +1,8 @@
 //! What limits are about: whether the campaign of a gate can find anything of it, and whom it concerns.
 
+use super::answers::Answers;
 use super::config::{FindingLimit, GateConfig, line_of};
+use super::possible_findings;
 use rockproof_campaign::source::FamilySource;
 use rockproof_campaign::steps::{self, PASSAGE, StepChange};
 use rockproof_differential::builtin;
@@ -41,6 +43,11 @@ fn out_of_reach(limit: &FindingLimit, config: &GateConfig, source: &FamilySource
     if let Some(still) = still.filter(|_| limit.is_of_steps() || limit.family.as_deref() == Some(PASSAGE)) {
         return Some(still.to_owned());
     }
+    let metamorphic =
+        limit.change.as_deref().and_then(AnswerChange::from_name).filter(|change| change.is_metamorphic());
+    if let (Some(change), 0) = (metamorphic, campaign.metamorphic_every) {
+        return Some(format!("no pair is changed to look for \"{change}\" (campaign.metamorphic_every is 0)"));
+    }
     let families = source.families();
     if let Some(family) = limit.family.as_ref().filter(|name| !families.contains(&name.as_str())) {
         return Some(format!("family {family} is none of its families, which are {}", families.join(", ")));
@@ -66,6 +73,32 @@ pub(crate) fn without_cause(limit: &FindingLimit, config: &GateConfig) -> Option
     let cause = limit.cause.as_deref().and_then(Cause::from_name);
     let campaign = &config.campaign;
     let external = |name: &str| campaign.external.iter().any(|spec| spec.name == name);
+    let builtin = |name: &str| campaign.engines.iter().any(|engine| engine == name);
+    let shared = |name: &str| ["any", "f32", "f64"].contains(&name);
+    let change = limit.change.as_deref();
+    if limit.is_of_recovered() && campaign.external.is_empty() {
+        return Some("only external engines are asked again, and none takes part".to_owned());
+    }
+    if change.is_some_and(possible_findings::is_of_external_engines) {
+        let builtin = limit.engine.as_deref().filter(|name| builtin(name));
+        let why = builtin.map(|name| format!("{name} is built in"));
+        if let Some(why) = why.or_else(|| campaign.external.is_empty().then(|| "none takes part".to_owned())) {
+            return Some(format!("only external engines have this change, and {why}"));
+        }
+    }
+    if let Some(name) = limit.engine.as_deref().filter(|name| limit.is_of_steps() && external(name)) {
+        return Some(format!("built-in engines alone make steps, and {name} is an external engine"));
+    }
+    if let Some(name) = limit.engine.as_deref().filter(|name| shared(name)) {
+        let what = match (cause, change) {
+            (Some(Cause::Arithmetic | Cause::Defect | Cause::Engine), _) => Some("cause"),
+            (_, Some(change)) if possible_findings::is_of_one_engine(change) => Some("change"),
+            _ => None,
+        };
+        if let Some(what) = what {
+            return Some(format!("findings of this {what} are about one engine, by its name, not about {name}"));
+        }
+    }
     match (cause, limit.engine.as_deref()) {
         (Some(Cause::Arithmetic | Cause::Defect), Some(name)) if external(name) => {
             Some(format!("findings about {name}, an external engine, have the cause engine"))
@@ -73,28 +106,30 @@ pub(crate) fn without_cause(limit: &FindingLimit, config: &GateConfig) -> Option
         (Some(Cause::Arithmetic | Cause::Defect), _) if campaign.engines.is_empty() => {
             Some("no built-in engine takes part; findings about external engines have the cause engine".to_owned())
         }
-        (Some(Cause::Engine), Some(name)) if campaign.engines.iter().any(|engine| engine == name) => {
+        (Some(Cause::Engine), Some(name)) if builtin(name) => {
             Some(format!("only findings about external engines have this cause, and {name} is built in"))
         }
         (Some(Cause::Engine), _) if campaign.external.is_empty() => {
             Some("only findings about external engines have this cause, and none takes part".to_owned())
         }
-        (None, _) if limit.is_of_recovered() && campaign.external.is_empty() => {
-            Some("only external engines are asked again, and none takes part".to_owned())
-        }
-        (Some(Cause::Tolerance | Cause::Representation), Some(name)) if !["any", "f32", "f64"].contains(&name) => {
+        (Some(Cause::Tolerance | Cause::Representation), Some(name)) if !shared(name) && !limit.is_of_intrusions() => {
             Some(format!("findings of this cause are about any engine, f32 or f64, not about {name}"))
         }
         _ => None,
     }
 }
 
-/// Whether a limit can be broken by what an external engine answers. One on crashes, say, cannot: whatever the engine answers, it answers.
-pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec) -> bool {
+/// Whether a limit can be broken by what an external engine answers, of which `answers` are known. One on crashes, say, cannot: whatever the engine answers,
+/// it answers. Nor can one on missing contacts where the engine names none.
+pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec, answers: &Answers) -> bool {
     let change = limit.change.as_deref().and_then(AnswerChange::from_name);
+    let of_contacts = limit.kind.is_some() || change.is_some_and(AnswerChange::is_of_contacts);
+    let of_states = change.is_some_and(AnswerChange::is_of_states);
     limit.engine.as_ref().is_none_or(|name| *name == engine.name)
         && limit.cause.as_ref().is_none_or(|cause| cause == Cause::Engine.name())
         && change.is_none_or(AnswerChange::is_of_answers)
+        && (!of_contacts || answers.with_contacts > 0)
+        && (!of_states || answers.with_contacts < answers.answered)
         && !limit.is_of_recovered()
         && !limit.is_of_steps()
 }

@@ -12,9 +12,10 @@ use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::steps::{STEP_FINDING_COLUMNS, STEP_SUMMARY_COLUMNS, StepFindingRow, StepSummaryRow};
 use rockproof_campaign::summary::{SUMMARY_COLUMNS, SummaryRow};
 use rockproof_differential::agreement::{AGREEMENT_COLUMNS, ChainSpan};
+use rockproof_differential::builtin;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, FINDING_COLUMNS, FindingScope};
-use rockproof_differential::lockstep::StepCause;
+use rockproof_differential::lockstep::{Intrusion, StepCause};
 use rockproof_differential::row::{FindingRow, typed_rows};
 use rockproof_model::files::open_table;
 use serde::Deserialize;
@@ -127,12 +128,26 @@ impl TallyRow {
         of_engine && (row.change.is_unusable() || row.change == AnswerChange::FarBlock)
     }
 
+    /// Whether it is a passage or an unseen overlap that a limit on these is about: one in the steps of the limit's engine, though others have it too.
+    fn is_in_steps_of(&self, limit: &FindingLimit) -> bool {
+        let precision = limit.engine.as_deref().and_then(builtin::engine).map(|engine| engine.precision());
+        let shared = |precision| match self.common().scope {
+            FindingScope::Any => true,
+            FindingScope::Rounded(of) => *of == precision,
+            FindingScope::Engine(_) => false,
+        };
+        let TallyRow::Step(row) = self else { return false };
+        limit.is_of_intrusions()
+            && Intrusion::ALL.iter().any(|kind| kind.name() == row.change)
+            && precision.is_some_and(shared)
+    }
+
     /// Whether a limit is about it.
     pub fn is_of(&self, limit: &FindingLimit) -> bool {
         let row = self.common();
         let same = |wanted: &Option<String>, found: &str| wanted.as_ref().is_none_or(|wanted| wanted == found);
         let beyond = |least: f64| row.margin_ulps.is_some_and(|ulps| ulps.abs() > least) || self.is_never_rounding();
-        same(&limit.engine, &row.scope.to_string())
+        (same(&limit.engine, &row.scope.to_string()) || self.is_in_steps_of(limit))
             && limit.tolerances.as_ref().is_none_or(|set| of_set(row.tolerances, set))
             && same(&limit.family, row.family)
             && same(&limit.cause, row.cause.name())
@@ -378,10 +393,16 @@ struct AnswerRow {
 fn answers(file: &Path) -> Result<BTreeMap<String, Answers>, TallyError> {
     let mut answers: BTreeMap<String, Answers> = BTreeMap::new();
     for AnswerRow { span, engine, pairs, silent } in table(file, &AGREEMENT_COLUMNS)? {
-        if span == ChainSpan::Arithmetic {
-            let of = answers.entry(engine).or_default();
-            of.asked += pairs;
-            of.answered += pairs.saturating_sub(silent);
+        let answered = pairs.saturating_sub(silent);
+        match span {
+            ChainSpan::Arithmetic => {
+                let of = answers.entry(engine).or_default();
+                of.asked += pairs;
+                of.answered += answered;
+            }
+            // Only contacts are compared along the whole chain.
+            ChainSpan::Whole => answers.entry(engine).or_default().with_contacts += answered,
+            _ => {}
         }
     }
     Ok(answers)
