@@ -2,7 +2,7 @@
 
 use crate::exit::{ExitStatus, Outcome, print_as_it_is, print_note};
 use crate::input::FormatArgs;
-use crate::output_file::allow_ours;
+use crate::output_file::{allow_ours, step_summary};
 use crate::stop::end_on_ctrl_c;
 use crate::table::{prose, table};
 use crate::terminal::threads;
@@ -103,7 +103,11 @@ impl Gate {
                 }
                 _ => {}
             }
+            let folder = junit.parent().unwrap_or(junit);
+            fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         }
+        // Whether it can be written is seen before the work, not after it.
+        step_summary()?;
         let file = self.file.display().to_string();
         let text = read_text(&self.file).with_context(|| file.clone())?;
         let config = GateConfig::from_toml(&text, &file).map_err(anyhow::Error::msg)?;
@@ -222,16 +226,16 @@ impl Gate {
             json!({ "passed": failed == 0, "failed": failed, "skipped": skipped, "checks": all, "steps": steps })
         })?;
         if let Some(path) = &self.junit {
+            // A file of this gate itself may be there by now.
+            allow_ours(path, "JUnit report of a gate", junit::is_ours)?;
             write_atomically(path, junit::junit(checks)?).with_context(|| path.display().to_string())?;
         }
         // The runner reads annotations on stdout, where a document stands alone.
         if !self.format.is_json() && std::env::var_os("GITHUB_ACTIONS").is_some_and(|on| on == "true") {
             print_as_it_is(&junit::annotations(checks))?;
         }
-        if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) {
-            let named = || path.display().to_string();
-            let mut summary = fs::OpenOptions::new().append(true).create(true).open(&path).with_context(named)?;
-            summary.write_all(junit::markdown(checks).as_bytes()).with_context(named)?;
+        if let Some((path, mut summary)) = step_summary()? {
+            summary.write_all(junit::markdown(checks).as_bytes()).with_context(|| path.display().to_string())?;
         }
         Ok(if failed == 0 { ExitStatus::Passed } else { ExitStatus::CheckFailed })
     }

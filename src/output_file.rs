@@ -2,7 +2,8 @@
 
 use anyhow::Context;
 use rockproof_model::files::read_text;
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// Whether a file may be replaced.
 #[derive(clap::Args)]
@@ -36,4 +37,14 @@ pub(crate) fn allow_ours(file: &Path, what: &str, is_ours: impl FnOnce(&str) -> 
 /// A link that leads nowhere is there too.
 fn is_there(file: &Path) -> bool {
     file.symlink_metadata().is_ok()
+}
+
+/// The file that GitHub shows beside a step, to be appended to, and its path; nothing elsewhere.
+pub(crate) fn step_summary() -> anyhow::Result<Option<(PathBuf, fs::File)>> {
+    let path = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()).map(PathBuf::from);
+    let open = |path: PathBuf| {
+        let file = fs::OpenOptions::new().append(true).create(true).open(&path);
+        file.with_context(|| path.display().to_string()).map(|file| (path, file))
+    };
+    path.map(open).transpose()
 }

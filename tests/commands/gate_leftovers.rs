@@ -26,6 +26,28 @@ fn no_report_of_an_earlier_gate_stays() {
     }
 }
 
+/// Nor may it put its report in the place of a file of its own, make minutes of work before it sees that it cannot write, or leave a folder unmade.
+#[test]
+fn reports_are_written_where_they_can_be() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let rockproof = |args: &[&str], summary: &str| {
+        let mut command = Command::cargo_bin("rockproof").expect("the program");
+        let command = command.current_dir(dir.path()).args(["gate", "gate.toml"]).args(args);
+        let output = command.env("GITHUB_STEP_SUMMARY", summary).output().expect("runs");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    fs::write(dir.path().join("gate.toml"), PASSES).expect("written");
+    let (code, err) = rockproof(&["--out", "one", "--junit", "one/fixed/findings.csv"], "");
+    assert!(code == Some(2) && err.contains("findings.csv: it is there already and no JUnit report"), "{err}");
+    let table = fs::read_to_string(dir.path().join("one/fixed/findings.csv")).expect("a table");
+    assert!(table.starts_with("index,"), "{table}");
+    let (code, err) = rockproof(&["--out", "two"], "none/summary.md");
+    assert!(code == Some(2) && err.contains("none/summary.md") && !dir.path().join("two").exists(), "{err}");
+    let (code, err) = rockproof(&["--out", "three", "--junit", "new/folder/gate.xml"], "summary.md");
+    assert!(code == Some(0) && dir.path().join("new/folder/gate.xml").is_file(), "{err}");
+    assert!(fs::read_to_string(dir.path().join("summary.md")).expect("a summary").contains("cause defect"));
+}
+
 #[test]
 fn neither_takes_the_directory_of_the_other() {
     let dir = tempfile::tempdir().expect("a directory");

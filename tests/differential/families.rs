@@ -269,22 +269,6 @@ fn families_reach_what_they_are_for() {
 }
 
 #[test]
-#[ignore = "a measurement: run it in release"]
-fn speed() {
-    for family in families::all() {
-        let name = family.name();
-        let config = only(family);
-        let start = std::time::Instant::now();
-        let mut forms: BTreeMap<&str, u32> = BTreeMap::new();
-        for case in (0..500).flat_map(|k| batch(1, k, &config)) {
-            *forms.entry(case.form.name()).or_default() += 1;
-        }
-        let pairs: u32 = forms.values().sum();
-        println!("{name:22} {:7.2} µs a pair  {forms:?}", start.elapsed().as_secs_f64() * 1e6 / f64::from(pairs));
-    }
-}
-
-#[test]
 fn exact_rungs_are_named_so() {
     let config = unperturbed();
     for case in (0..200).flat_map(|k| batch(2, k, &config)) {

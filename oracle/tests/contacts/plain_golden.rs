@@ -3,7 +3,6 @@
 use num_rational::BigRational;
 use rockproof_oracle::plain;
 use rockproof_oracle::rational::Rational;
-use std::time::Instant;
 
 fn reproduces_every_pair<Q: Rational>() {
     let pairs = crate::support::golden::pairs();
@@ -30,21 +29,4 @@ fn the_default_backend_reproduces_every_pair() {
 #[test]
 fn the_gmp_backend_reproduces_every_pair() {
     reproduces_every_pair::<rug::Rational>();
-}
-
-/// Prints the time per pair; not a check.
-#[test]
-#[ignore = "prints timings; run with --release -- --ignored --nocapture"]
-fn time_per_pair() {
-    fn time<Q: Rational>(name: &str) {
-        let pairs = crate::support::golden::pairs();
-        let start = Instant::now();
-        let contacts: usize =
-            pairs.iter().map(|pair| plain::classify::<Q>(&pair.a, &pair.b, &pair.tolerances).len()).sum();
-        let each = start.elapsed().as_secs_f64() / pairs.len() as f64;
-        println!("{name}: {:.3} ms a pair, {contacts} contacts in {} pairs", each * 1e3, pairs.len());
-    }
-    time::<BigRational>("num-rational");
-    #[cfg(feature = "gmp")]
-    time::<rug::Rational>("rug");
 }
