@@ -92,10 +92,10 @@ fn every_mistake_shows_in_a_step() {
         let of_own = own
             .iter()
             .filter(|(_, scene, set)| decisions::<Mistaken>(scene, set) != decisions::<SpecRules>(scene, set));
-        let shows: Vec<&str> = of_file.chain(of_own.map(|(name, _, _)| *name)).collect();
-        println!("{what}: {shows:?}");
-        if shows.is_empty() {
-            lost.push(what);
+        // One is enough.
+        match of_file.chain(of_own.map(|(name, _, _)| *name)).next() {
+            Some(scene) => println!("{what}: {scene}"),
+            None => lost.push(what),
         }
     }
     plant(Mistake::Nothing);
