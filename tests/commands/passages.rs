@@ -2,6 +2,7 @@
 
 use crate::gates::gate;
 use assert_cmd::Command;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -146,4 +147,29 @@ fn a_baseline_holds_findings_about_steps() {
     let bare: String =
         bare.lines().filter(|line| !line.starts_with("\"step ")).map(|line| format!("{line}\n")).collect();
     check(&bare, 0, "sorts of finding about steps: the baseline was written without steps");
+}
+
+/// One case of a cause may be kept here, and one of its passages and of its unseen overlaps beside it.
+#[test]
+fn passages_have_cases_whatever_else_has() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let settings = SETTINGS.replace(
+        "pairs = 16",
+        "pairs = 64\ncases_per_cause = 4\ntolerances = [\"auto\", \"auto@max_displacement*128\"]",
+    );
+    fs::write(dir.path().join("settings.toml"), settings).expect("written");
+    let (code, out) = rockproof(dir.path(), &CAMPAIGN);
+    assert_eq!(code, 0, "{out}");
+    let table = csv::Reader::from_path(dir.path().join("run/step_findings.csv")).expect("a table");
+    let mut cases: BTreeMap<(String, String), [u64; 2]> = BTreeMap::new();
+    for row in table.into_deserialize::<BTreeMap<String, String>>().map(|row| row.expect("a row")) {
+        let sort = if ["passage", "unseen"].contains(&&*row["change"]) { row["change"].clone() } else { String::new() };
+        let of = cases.entry((row["cause"].clone(), sort)).or_default();
+        of[0] += 1;
+        of[1] += u64::from(!row["case"].is_empty());
+    }
+    assert!(cases.values().all(|[_, cases]| *cases == 1), "{cases:?}");
+    let sorts = |cause: &str| cases.keys().filter(|(of, _)| of == cause).count();
+    assert!(["not-held", "step-length"].map(sorts).iter().any(|sorts| *sorts > 1), "{cases:?}");
+    assert!(cases.values().any(|[findings, _]| *findings > 1), "{cases:?}");
 }

@@ -7,7 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The case file that is asked for a finding.
 pub(super) struct CaseRequest {
     pub(super) fingerprint: String,
-    pub(super) cause: &'static str,
+    /// The cause, and what else of it has a quota of its own.
+    pub(super) cause: String,
     pub(super) name: String,
     /// Set where the finding is too far from a tie for rounding to be the reason.
     pub(super) furthest: Option<FurthestFinding>,
@@ -46,7 +47,7 @@ pub(super) fn has_room(
     quota: &CaseQuota,
 ) -> bool {
     let count = |counts: &BTreeMap<String, u64>, key: &str| counts.get(key).copied().unwrap_or(0);
-    let usual = count(alike, &request.fingerprint) < quota.alike && count(of_cause, request.cause) < quota.of_cause;
+    let usual = count(alike, &request.fingerprint) < quota.alike && count(of_cause, &request.cause) < quota.of_cause;
     let furthest = request.furthest.as_ref().is_some_and(|furthest| furthest.decade > count(alike, &furthest.key));
     usual || furthest && quota.of_cause > 0
 }
@@ -59,7 +60,7 @@ impl CaseCounts<'_> {
     /// Counts a file and gives the furthest decade before it, where that has grown.
     fn add(&mut self, request: &CaseRequest) -> Option<u64> {
         *self.alike.entry(request.fingerprint.clone()).or_default() += 1;
-        *self.of_cause.entry(request.cause.to_owned()).or_default() += 1;
+        *self.of_cause.entry(request.cause.clone()).or_default() += 1;
         let furthest = request.furthest.as_ref()?;
         let known = self.alike.entry(furthest.key.clone()).or_default();
         (furthest.decade > *known).then(|| std::mem::replace(known, furthest.decade))
@@ -75,7 +76,9 @@ impl CaseCounts<'_> {
                 before => self.alike.insert(furthest.key.clone(), before),
             };
         }
-        for (counts, key) in [(&mut *self.alike, request.fingerprint.as_str()), (&mut *self.of_cause, request.cause)] {
+        for (counts, key) in
+            [(&mut *self.alike, request.fingerprint.as_str()), (&mut *self.of_cause, request.cause.as_str())]
+        {
             let left = counts.get(key).map_or(0, |count| count - 1);
             if left == 0 {
                 counts.remove(key);
@@ -208,7 +211,7 @@ mod tests {
         let (mut alike, mut of_cause) = (BTreeMap::new(), BTreeMap::new());
         let request = |number: &u32| CaseRequest {
             fingerprint: format!("kind {}", number % 2),
-            cause: "tolerance",
+            cause: "tolerance".to_owned(),
             name: format!("{number}.toml"),
             furthest: None,
         };
@@ -240,7 +243,7 @@ mod tests {
         let counts = CaseCounts { alike: &mut alike, of_cause: &mut of_cause };
         let request = |_: &u32| CaseRequest {
             fingerprint: "kind".to_owned(),
-            cause: "defect",
+            cause: "defect".to_owned(),
             name: "same.toml".to_owned(),
             furthest: None,
         };
@@ -258,7 +261,7 @@ mod tests {
             let counts = CaseCounts { alike: &mut alike, of_cause: &mut of_cause };
             let request = |decade: &u64| CaseRequest {
                 fingerprint: "kind".to_owned(),
-                cause: "arithmetic",
+                cause: "arithmetic".to_owned(),
                 name: format!("{decade}.toml"),
                 furthest: (*decade > 0).then(|| FurthestFinding { key: "furthest".to_owned(), decade: *decade }),
             };

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::finding::{FAR_FROM_TIE, Finding, Fingerprint};
+use rockproof_differential::lockstep::Intrusion;
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::row::FindingRow;
 use rockproof_differential::subject::Subject;
@@ -32,12 +33,17 @@ pub(super) fn case_request(row: &FindingRow) -> CaseRequest {
         key: format!("furthest {} {}", row.engine, row.cause),
         decade: ulps.log10().floor() as u64,
     });
-    CaseRequest { fingerprint: fingerprint.text(), cause: row.cause.name(), name, furthest }
+    CaseRequest { fingerprint: fingerprint.text(), cause: row.cause.name().to_owned(), name, furthest }
 }
 
-/// The same of a finding about a step.
+/// The same of a finding about a step. Passages and unseen overlaps, which are rarer and worse than other differences, do not share their quota.
 pub(super) fn step_case_request(row: &StepFindingRow) -> CaseRequest {
-    CaseRequest { fingerprint: row.fingerprint(), cause: row.cause.name(), name: row.file_name(), furthest: None }
+    let intrusion = Intrusion::ALL.into_iter().find(|kind| kind.name() == row.change);
+    let cause = match intrusion {
+        Some(kind) => format!("{} {}", row.cause.name(), kind.name()),
+        None => row.cause.name().to_owned(),
+    };
+    CaseRequest { fingerprint: row.fingerprint(), cause, name: row.file_name(), furthest: None }
 }
 
 /// [`rows`], on the threads of the pool that this is called in.
