@@ -87,9 +87,10 @@ impl<R: Real + Send + Sync> WithSimd for Filling<'_, '_, R> {
         for same in bearing.chunk_by(|&k, &m| blocks(k) == blocks(m)) {
             rows.clear();
             for contact in same.iter().map(|&k| system.contact(k)) {
+                let [arm_i, arm_j] = system.arms(contact);
                 for Spring { along, stiffness, .. } in springs(contact).into_iter().flatten() {
-                    rows.e.push(generalized(contact.arms[0], along));
-                    rows.g.push(generalized(contact.arms[1], along));
+                    rows.e.push(generalized(arm_i, along));
+                    rows.g.push(generalized(arm_j, along));
                     rows.stiffness.push(stiffness);
                 }
             }

@@ -153,13 +153,11 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
                 .map(|(k, contact)| {
                     let [i, j] = contact.entering();
                     let (from, stiff) = (contact.iterate.mode, contact.is_stiff_across());
-                    contact.decide_mode::<M>(
-                        [&d[i], &d[j]],
-                        self.limits,
-                        self.settling,
-                        prescribed(ended.iterations, k),
-                    );
-                    let (to, friction_misfit) = (contact.iterate.mode, contact.iterate.friction_misfit);
+                    let arms = contact.arms([i, j].map(|block| self.block_systems[block].centroid));
+                    let prescribed = prescribed(ended.iterations, k);
+                    let friction_misfit =
+                        contact.decide_mode::<M>([&d[i], &d[j]], arms, self.limits, self.settling, prescribed);
+                    let to = contact.iterate.mode;
                     let changed = from != to || stiff || contact.is_stiff_across();
                     JudgedContact { blocks: contact.blocks, from, to, changed, friction_misfit }
                 })

@@ -11,6 +11,9 @@ use crate::dynamics::solve::Solve;
 /// The iteration ends when the residual, measured by the preconditioner M (rᵀM⁻¹r, a square), has come down to this share of the right side's.
 const RESIDUAL_SHARE: f64 = 1e-28;
 
+/// A factor of so many values for each unknown takes more memory, in f32, than all else that a step needs.
+const LARGE_FACTOR: usize = 500;
+
 /// A symmetric positive definite matrix that is near the system's, of which the inverse is easy to apply.
 pub(super) trait Preconditioner<R> {
     /// Its inverse times a residual; none where it cannot be told. Numbers may overflow.
@@ -48,10 +51,13 @@ impl Patience {
     /// Where memory counts, a factor is the last resort.
     pub(super) const WITHOUT_FACTOR: Patience = Patience { most: 5_000, telling: None };
 
-    /// As many products as take about the time of a factor in f32 and its solution, of so many multiplications and closed contacts.
-    pub(super) fn instead_of_factor(work: u64, contacts: usize) -> Patience {
-        let products = 30 + work / (25_000 * contacts.max(1) as u64);
-        Patience { most: u32::try_from(products).unwrap_or(u32::MAX), telling: Some(6) }
+    /// As many products as take about the time of a factor in f32 and its solution, by so many closed contacts. Twice as many where the factor
+    /// takes more memory than all else: what is made for a single attempt counts for the peak, and once Δt is short there are fewer products.
+    pub(super) fn instead_of_factor(pattern: &Pattern, contacts: usize) -> Patience {
+        let products = 45 + pattern.work() / (16_000 * contacts.max(1) as u64);
+        let is_large = pattern.values() >= LARGE_FACTOR * pattern.size();
+        let (products, telling) = if is_large { (2 * products, 24) } else { (products, 6) };
+        Patience { most: u32::try_from(products).unwrap_or(u32::MAX), telling: Some(telling) }
     }
 
     /// Whether it can suffice where springs are so many times as stiff as inertia. Preconditioned by blocks alone the system's condition is about

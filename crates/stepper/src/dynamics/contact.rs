@@ -2,7 +2,7 @@
 
 use crate::dynamics::displacement::{BlockVector, displacement, dot, generalized};
 use crate::dynamics::friction::{Friction, FrictionMisfit};
-use crate::dynamics::material::Joint;
+use crate::dynamics::material::JointSprings;
 use crate::dynamics::plane::Plane;
 use crate::dynamics::setup::StepLimits;
 use crate::dynamics::state::{ContactState, Mode};
@@ -18,19 +18,15 @@ pub(super) struct StepContact<R> {
     pub(super) blocks: [u32; 2],
     pub(super) contact: Contact,
     pub(super) plane: Plane<R>,
-    pub(super) joint: Joint<R>,
+    pub(super) joint: JointSprings<R>,
     /// Cohesion on the contact's area, in N.
     pub(super) cohesive: R,
     /// The gap that its tensile strength can stretch, in m.
     pub(super) tensile_gap: R,
     /// Material points of i and of j.
     pub(super) anchors: [Vector<R>; 2],
-    /// s0: the stretch across the normal when the step begins, in m.
-    pub(super) stretch: Vector<R>,
     /// The mode when the step begins.
     pub(super) begins: Mode,
-    /// P − x₀ of block i and Q − x₀ of block j.
-    pub(super) arms: [Vector<R>; 2],
     /// What the last solve says.
     pub(super) iterate: ContactIterate<R>,
 }
@@ -46,8 +42,6 @@ pub(super) struct ContactIterate<R> {
     pub(super) stretch: Vector<R>,
     /// While sliding: what acts across the normal in the next solve.
     pub(super) friction: Friction<R>,
-    /// What it adds to the question whether friction has settled; nothing unless it was closed in the last solve and is after it.
-    pub(super) friction_misfit: FrictionMisfit<R>,
 }
 
 /// The springs of a contact in a solve.
@@ -94,15 +88,16 @@ impl<R: Real> StepContact<R> {
         if self.plane.a_enters { [a, b] } else { [b, a] }
     }
 
-    /// Takes the centroids of i and j, from which displacements are measured.
-    pub(super) fn measure_from(&mut self, [i, j]: [Vector<R>; 2]) {
-        self.arms = [self.plane.p - i, self.plane.q - j];
+    /// P − x₀ of block i and Q − x₀ of block j, from their centroids. Not kept: there are many contacts.
+    #[inline(always)]
+    pub(super) fn arms(&self, [i, j]: [Vector<R>; 2]) -> [Vector<R>; 2] {
+        [self.plane.p - i, self.plane.q - j]
     }
 
-    /// `T_iᵀn` and `T_jᵀn`.
+    /// s0: the stretch across the normal when the step begins, in m. Not kept either.
     #[inline(always)]
-    pub(super) fn rows(&self) -> [BlockVector<R>; 2] {
-        self.arms.map(|arm| generalized(arm, self.plane.normal))
+    pub(super) fn first_stretch(&self) -> Vector<R> {
+        self.across(self.anchors[0] - self.anchors[1])
     }
 
     /// What its springs resist with in the next solve.
@@ -115,13 +110,12 @@ impl<R: Real> StepContact<R> {
 
     /// As it was when the step began. The last slip of a sliding contact is then s0, and f = p_s·s0: what the dragged anchor remembers.
     pub(super) fn reset<M: StepRules>(&mut self) {
-        let shear = self.joint.shear;
+        let (shear, stretch) = (self.joint.shear, self.first_stretch());
         self.iterate = ContactIterate {
             mode: self.begins,
             gap: self.plane.gap,
-            stretch: self.stretch,
-            friction: Friction::along::<M>(self.stretch, shear, shear, self.plane.normal),
-            friction_misfit: FrictionMisfit::NONE,
+            stretch,
+            friction: Friction::along::<M>(stretch, shear, shear, self.plane.normal),
         };
     }
 
@@ -130,30 +124,33 @@ impl<R: Real> StepContact<R> {
         v - self.plane.normal * self.plane.normal.dot(v)
     }
 
-    /// Reads h and s of a solve, and takes the mode for the next that follows from them, or the one that is given.
+    /// Reads h and s of a solve, and takes the mode for the next that follows from them, or the one that is given. Says what it adds to the question
+    /// whether friction has settled: nothing unless it was closed in the solve and is after it.
     pub(super) fn decide_mode<M: StepRules>(
         &mut self,
         d: [&BlockVector<R>; 2],
+        arms: [Vector<R>; 2],
         limits: &StepLimits<R>,
         settling: bool,
         prescribed: Option<Mode>,
-    ) {
+    ) -> FrictionMisfit<R> {
         let before = self.iterate.mode;
-        let [e, g] = self.rows();
+        // `T_iᵀn` and `T_jᵀn`.
+        let [e, g] = arms.map(|arm| generalized(arm, self.plane.normal));
         let gap = self.plane.gap + dot(&e, d[0], 12) - dot(&g, d[1], 12);
-        let moved = displacement(self.arms[0], d[0]) - displacement(self.arms[1], d[1]);
-        let stretch = self.stretch + self.across(moved);
+        let moved = displacement(arms[0], d[0]) - displacement(arms[1], d[1]);
+        let stretch = self.first_stretch() + self.across(moved);
         (self.iterate.gap, self.iterate.stretch) = (gap, stretch);
         let acted = self.tangential(before);
         let after = prescribed.unwrap_or_else(|| self.mode_after_solve::<M>(limits, settling));
         self.take::<M>(after);
-        self.iterate.friction_misfit = if before.is_closed() && after.is_closed() {
+        if before.is_closed() && after.is_closed() {
             let stuck = before == Mode::Locked && after == Mode::Locked;
             let misfit = if stuck { R::ZERO } else { (self.tangential_after(after) - acted).length() };
             FrictionMisfit { misfit, pressing: self.joint.normal * M::pressing(gap) }
         } else {
             FrictionMisfit::NONE
-        };
+        }
     }
 
     /// The mode that follows from h and s of a solve in which it had the present one. While settling, what is closed is locked.

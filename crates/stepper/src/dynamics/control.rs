@@ -43,10 +43,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 prescribed: None,
                 unchanged: known,
             };
-            let ended = iteration
+            let mut ended = iteration
                 .run::<M>(contacts, &mut self.layouts, &mut self.spare, &mut self.iteration_times)
                 .map_err(|unsolved| StepError::Singular { step: number, block: unsolved.block })?;
-            self.modes.push(ended.modes.clone());
+            self.modes.push(std::mem::take(&mut ended.modes));
             if let Some(block) = ended.d.iter().position(|d| !d.iter().all(|x| x.is_finite())) {
                 return Err(StepError::NotFinite { step: number, block });
             }

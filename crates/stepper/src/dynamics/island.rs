@@ -32,7 +32,7 @@ pub(super) struct BlockSystem<R> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Island {
     pub(super) couplings: Couplings,
-    pub(super) contacts: Vec<usize>,
+    pub(super) contacts: Vec<u32>,
 }
 
 /// The islands, by their lowest block. Of contacts, sorted by pair, their blocks and modes.
@@ -73,7 +73,7 @@ pub(super) fn islands(unknowns: &[usize], blocks: &[[u32; 2]], modes: &[Mode]) -
     }
     for (k, (&[a, b], _)) in closed() {
         let moving = if moves(a) { a } else { b };
-        all[place[moving as usize][0] as usize].contacts.push(k);
+        all[place[moving as usize][0] as usize].contacts.push(k as u32);
     }
     all
 }
@@ -270,7 +270,7 @@ impl<R: Solve> BySingle<'_, '_, '_, R> {
             let begun = Instant::now();
             let patience = match system.layout.solver {
                 Some(Solver::ConjugateGradients) => Patience::WITHOUT_FACTOR,
-                _ => Patience::instead_of_factor(pattern.work(), system.sides.len()),
+                _ => Patience::instead_of_factor(pattern, system.sides.len()),
             };
             let may_suffice = patience.can_suffice(products.springs_to_inertia());
             let preconditioner = if may_suffice { TwoLevel::new(products) } else { None };

@@ -76,7 +76,23 @@ pub(super) struct Joint<R> {
     pub(super) shear: R,
 }
 
+/// What each contact needs of its joint.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JointSprings<R> {
+    /// tan φ.
+    pub(super) friction: R,
+    /// p_n in N/m.
+    pub(super) normal: R,
+    /// p_s in N/m.
+    pub(super) shear: R,
+}
+
 impl<R: Real> Joint<R> {
+    pub(super) fn springs(&self) -> JointSprings<R> {
+        let Joint { friction, normal, shear, .. } = *self;
+        JointSprings { friction, normal, shear }
+    }
+
     pub(super) fn new(properties: &JointProperties) -> Result<Joint<R>, SetupError> {
         let stiffness = properties.normal_stiffness.as_ref().ok_or(SetupError::NoStiffness)?;
         let shear = Number::from_rational(stiffness.to_rational() * properties.shear_ratio.to_rational());

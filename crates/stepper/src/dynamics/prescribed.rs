@@ -67,10 +67,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             prescribed: Some(prescribed.modes),
             unchanged: None,
         };
-        let ended = iteration
+        let mut ended = iteration
             .run::<M>(contacts, &mut self.layouts, &mut self.spare, &mut self.iteration_times)
             .map_err(|unsolved| StepError::Singular { step: number, block: unsolved.block })?;
-        self.modes.push(ended.modes.clone());
+        self.modes.push(std::mem::take(&mut ended.modes));
         let mut farthest = R::ZERO;
         for (block, d) in ended.d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block)) {
             if !d.iter().all(|x| x.is_finite()) {

@@ -10,7 +10,7 @@ mod two_level_tests;
 use crate::contact::{ClassificationRequest, PreparedBlock, SpecRules};
 use crate::dynamics::area;
 use crate::dynamics::contact::{ContactIterate, StepContact};
-use crate::dynamics::friction::{Friction, FrictionMisfit};
+use crate::dynamics::friction::Friction;
 use crate::dynamics::island::Memory;
 use crate::dynamics::layout::Layouts;
 use crate::dynamics::moments::{BlockMatrix, Moments};
@@ -352,27 +352,19 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 Some((Mode::Open, _)) => (Mode::Open, feet),
                 Some((mode, [a, b])) => (mode, if plane.a_enters { [a, b] } else { [b, a] }),
             };
-            let (friction, friction_misfit) = (Friction::NONE, FrictionMisfit::NONE);
-            let now = ContactIterate { mode: begins, gap: plane.gap, stretch: Vector::ZERO, friction, friction_misfit };
-            let (arms, zero) = ([Vector::ZERO; 2], R::ZERO);
-            let contact = *contact;
-            let (cohesive, tensile_gap, stretch) = (zero, zero, Vector::ZERO);
-            let mut active = StepContact {
+            let iterate =
+                ContactIterate { mode: begins, gap: plane.gap, stretch: Vector::ZERO, friction: Friction::NONE };
+            StepContact {
                 blocks: pair,
-                contact,
+                contact: *contact,
                 plane,
-                joint,
-                cohesive,
-                tensile_gap,
+                joint: joint.springs(),
+                cohesive: R::ZERO,
+                tensile_gap: R::ZERO,
                 anchors,
-                stretch,
                 begins,
-                arms,
-                iterate: now,
-            };
-            active.stretch = active.across(anchors[0] - anchors[1]);
-            active.measure_from(active.entering().map(|block| self.moments[block].centroid));
-            active
+                iterate,
+            }
         });
         let mut active: Vec<StepContact<R>> = active.collect();
         if joint.needs_area() {

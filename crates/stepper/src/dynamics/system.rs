@@ -22,7 +22,7 @@ pub(super) struct System<'s, R> {
     pub(super) block_systems: &'s [BlockSystem<R>],
     contacts: &'s [StepContact<R>],
     /// The closed contacts of the island, by their places among all.
-    closed: &'s [usize],
+    closed: &'s [u32],
     /// The block of each place.
     pub(super) blocks: Vec<u32>,
     /// The places of blocks i and j of each closed contact; [`NO_PLACE`] where a block is fixed.
@@ -116,7 +116,7 @@ impl<'s, R: Real + Send + Sync> System<'s, R> {
         island: &'s [u32],
         layout: &'s IslandLayout,
         block_systems: &'s [BlockSystem<R>],
-        (contacts, closed): (&'s [StepContact<R>], &'s [usize]),
+        (contacts, closed): (&'s [StepContact<R>], &'s [u32]),
     ) -> System<'s, R> {
         let (first, last) = (island.first().map_or(0, |&b| b as usize), island.last().map_or(0, |&b| b as usize));
         // Many islands that reach far must not take a table of all blocks each.
@@ -135,16 +135,26 @@ impl<'s, R: Real + Send + Sync> System<'s, R> {
             }
             block.checked_sub(first).and_then(|block| places.get(block)).copied().unwrap_or(NO_PLACE)
         };
-        let sides = |&k: &usize| contacts[k].entering().map(place);
+        let sides = |&k: &u32| contacts[k as usize].entering().map(place);
         let sides: Vec<[u32; 2]> = closed.par_iter().with_min_len(CONTACTS_AT_ONCE).map(sides).collect();
-        let part = |place: u32| if place == NO_PLACE { NO_PLACE } else { place / PART as u32 };
-        let at_part = Lists::of_both(blocks.len().div_ceil(PART), &sides, part);
+        let at_part = lists_by_part(blocks.len(), &sides);
         System { layout, block_systems, contacts, closed, blocks, sides, at_part }
+    }
+
+    /// Pairs of places at each part of the places.
+    pub(super) fn lists_by_part(&self, pairs: &[[u32; 2]]) -> Lists {
+        lists_by_part(self.blocks.len(), pairs)
     }
 
     /// A closed contact of the island.
     pub(super) fn contact(&self, closed: u32) -> &'s StepContact<R> {
-        &self.contacts[self.closed[closed as usize]]
+        &self.contacts[self.closed[closed as usize] as usize]
+    }
+
+    /// Where a contact is from the centroids of blocks i and j (m).
+    #[inline(always)]
+    pub(super) fn arms(&self, contact: &StepContact<R>) -> [Vector<R>; 2] {
+        contact.arms(contact.entering().map(|block| self.block_systems[block].centroid))
     }
 
     /// Parts of the places that threads can share, and the closed contacts at each.
@@ -174,6 +184,12 @@ impl<'s, R: Real + Send + Sync> System<'s, R> {
     }
 }
 
+/// Pairs of so many places at each part of them.
+fn lists_by_part(places: usize, pairs: &[[u32; 2]]) -> Lists {
+    let part = |place: u32| if place == NO_PLACE { NO_PLACE } else { place / PART as u32 };
+    Lists::of_both(places.div_ceil(PART), pairs, part)
+}
+
 /// A spring of length `before + along·(T_i d_i − T_j d_j)`.
 pub(super) struct Spring<R> {
     pub(super) along: Vector<R>,
@@ -188,7 +204,8 @@ pub(super) struct Spring<R> {
 pub(super) fn springs<R: Real>(contact: &StepContact<R>) -> [Option<Spring<R>>; 3] {
     let normal =
         Some(Spring { along: contact.plane.normal, stiffness: contact.joint.normal, before: contact.plane.gap });
-    let across = |along, stiffness| Some(Spring { along, stiffness, before: contact.stretch.dot(along) });
+    let stretch = contact.first_stretch();
+    let across = |along: Vector<R>, stiffness| Some(Spring { along, stiffness, before: stretch.dot(along) });
     let friction = &contact.iterate.friction;
     match contact.iterate.mode {
         Mode::Locked => {
@@ -220,7 +237,7 @@ impl<R: Real + Send + Sync> WithSimd for Forcing<'_, '_, '_, R> {
         }
         for &k in part.closed {
             let (contact, sides) = (system.contact(k), system.sides[k as usize]);
-            let [arm_i, arm_j] = contact.arms;
+            let [arm_i, arm_j] = system.arms(contact);
             for Spring { along, stiffness, before } in springs(contact).into_iter().flatten() {
                 if let Some(force) = part.at(pattern, sides[0] as usize) {
                     add(force, &generalized(arm_i, along), Some(-stiffness * before));

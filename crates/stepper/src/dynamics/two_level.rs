@@ -6,10 +6,11 @@
 //! panels of the coarse level, whose contacts come one after another: the same bits on any number of threads.
 
 use crate::dynamics::conjugate_gradients::Preconditioner;
+use crate::dynamics::contact::Resistance;
 use crate::dynamics::displacement::{BlockVector, displacement, generalized};
 use crate::dynamics::groups::Groups;
 use crate::dynamics::island::packed;
-use crate::dynamics::products::{Products, ResistingContact};
+use crate::dynamics::products::Products;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::system::{Lists, NO_PLACE, Part, System};
 use crate::real::Real;
@@ -18,8 +19,8 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Cholesky's factor of a block's own matrix, packed, with the inverses of its diagonal.
-type BlockFactor = [f32; 78];
+/// The inverse of a block's own matrix, column by column; zeros where a block has no such unknown. It is whole, for columns can be added up at once.
+type BlockInverse = [[f32; 12]; 12];
 
 type Square<R> = [[R; 12]; 12];
 
@@ -28,7 +29,7 @@ pub(super) struct TwoLevel<'t, 's, R> {
     system: &'t System<'s, R>,
     groups: &'t Groups,
     /// Of each place.
-    factors: Vec<BlockFactor>,
+    inverses: Vec<BlockInverse>,
     /// Where the centroid of each place is from the centre of its group (m).
     arms: Vec<Vector<R>>,
     /// The factor of the coarse level.
@@ -41,7 +42,7 @@ impl<'t, 's, R: Solve> TwoLevel<'t, 's, R> {
         let system = products.system;
         let groups = system.layout.groups.as_ref()?;
         let parts: Vec<(Range<usize>, &[u32])> = system.places_by_part().collect();
-        let factors: Option<Vec<Vec<BlockFactor>>> = parts
+        let inverses: Option<Vec<Vec<BlockInverse>>> = parts
             .into_par_iter()
             .map(|(places, closed)| Arch::new().dispatch(Diagonal { products, places, closed }))
             .collect();
@@ -60,7 +61,7 @@ impl<'t, 's, R: Solve> TwoLevel<'t, 's, R> {
         };
         let mut coarse = vec![0.0; pattern.values()];
         f32::factorize(pattern, &mut coarse, &vec![true; pattern.panel_count()], &fill).ok()?;
-        Some(TwoLevel { system, groups, factors: factors?.concat(), arms, coarse })
+        Some(TwoLevel { system, groups, inverses: inverses?.concat(), arms, coarse })
     }
 }
 
@@ -109,14 +110,14 @@ fn to_group<R: Real>(arm: Vector<R>, y: &[R]) -> BlockVector<R> {
 
 /// `T(x)ᵀ`, column by column, and what a contact makes of them: `S·T(x)` for its stiffness S.
 #[inline(always)]
-fn resisted<R: Real>(contact: &ResistingContact<R>, arm: Vector<R>) -> [[BlockVector<R>; 3]; 2] {
+fn resisted<R: Real>(resistance: &Resistance<R>, arm: Vector<R>) -> [[BlockVector<R>; 3]; 2] {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| {
         let [x, y, z] = axis.map(R::from_f64);
         Vector::new(x, y, z)
     });
     let rows = axes.map(|axis| generalized(arm, axis));
     let products = axes.map(|axis| {
-        let stiffness = contact.resistance.against(axis).components();
+        let stiffness = resistance.against(axis).components();
         std::array::from_fn(|k| stiffness[0] * rows[0][k] + stiffness[1] * rows[1][k] + stiffness[2] * rows[2][k])
     });
     [rows, products]
@@ -147,7 +148,7 @@ fn whole<R: Real>(matrix: &[R; 78]) -> Square<R> {
     whole
 }
 
-/// The factors of the blocks' own matrices at some places.
+/// The inverses of the blocks' own matrices at some places.
 struct Diagonal<'d, 'p, 's, R> {
     products: &'d Products<'p, 's, R>,
     places: Range<usize>,
@@ -155,46 +156,55 @@ struct Diagonal<'d, 'p, 's, R> {
 }
 
 impl<R: Real + Send + Sync> WithSimd for Diagonal<'_, '_, '_, R> {
-    type Output = Option<Vec<BlockFactor>>;
+    type Output = Option<Vec<BlockInverse>>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        let Products { system, resisting } = self.products;
+        let system = self.products.system;
         let block = |place: usize| &system.block_systems[system.blocks[place] as usize];
         let mut squares: Vec<Square<R>> = self.places.clone().map(|place| whole(&block(place).stiffness)).collect();
         for &k in self.closed {
-            let contact = &resisting[k as usize];
-            for (&arm, place) in contact.arms.iter().zip(system.sides[k as usize]) {
+            let contact = system.contact(k);
+            let resistance = contact.resistance();
+            for (arm, place) in system.arms(contact).into_iter().zip(system.sides[k as usize]) {
                 let Some(inner) = (place as usize).checked_sub(self.places.start) else { continue };
                 let Some(square) = squares.get_mut(inner) else { continue };
-                let [rows, products] = resisted(contact, arm);
+                let [rows, products] = resisted(&resistance, arm);
                 add_outer(square, &rows, &products, R::from_f64(1.0));
             }
         }
-        squares.iter().zip(self.places).map(|(square, place)| block_factor(square, block(place).unknowns)).collect()
+        squares.iter().zip(self.places).map(|(square, place)| inverse(square, block(place).unknowns)).collect()
     }
 }
 
-/// Cholesky's factor of the first rows and columns.
+/// The inverse of the first rows and columns, by Cholesky's factor L: `(L⁻¹)ᵀL⁻¹`.
 #[inline(always)]
-fn block_factor<R: Real>(square: &Square<R>, unknowns: usize) -> Option<BlockFactor> {
-    let mut factor = [0.0; 78];
-    let mut l = [[R::ZERO; 12]; 12];
-    let mut inverses = [R::ZERO; 12];
+fn inverse<R: Real>(square: &Square<R>, unknowns: usize) -> Option<BlockInverse> {
+    let (mut l, mut lower) = ([[R::ZERO; 12]; 12], [[R::ZERO; 12]; 12]);
     for row in 0..unknowns {
         for column in 0..row {
             let sum = (0..column).fold(square[row][column], |sum, k| sum - l[row][k] * l[column][k]);
-            l[row][column] = sum * inverses[column];
-            factor[packed(row, column)] = l[row][column].to_f64() as f32;
+            l[row][column] = sum * lower[column][column];
         }
         let pivot = (0..row).fold(square[row][row], |sum, k| sum - l[row][k] * l[row][k]);
         if !(R::ZERO.below(pivot) && pivot.is_finite()) {
             return None;
         }
-        inverses[row] = R::from_f64(1.0) / pivot.sqrt();
-        factor[packed(row, row)] = inverses[row].to_f64() as f32;
+        lower[row][row] = R::from_f64(1.0) / pivot.sqrt();
+        for column in 0..row {
+            let sum = (column..row).fold(R::ZERO, |sum, k| sum - l[row][k] * lower[k][column]);
+            lower[row][column] = sum * lower[row][row];
+        }
     }
-    Some(factor)
+    let mut inverse = [[0.0; 12]; 12];
+    for row in 0..unknowns {
+        for column in 0..=row {
+            let value = (row..unknowns).fold(R::ZERO, |sum, k| sum + lower[k][row] * lower[k][column]);
+            inverse[row][column] = value.to_f64() as f32;
+            inverse[column][row] = inverse[row][column];
+        }
+    }
+    Some(inverse)
 }
 
 /// Filling a panel of the coarse level.
@@ -213,7 +223,7 @@ impl<R: Real + Send + Sync> WithSimd for Coarse<'_, '_, '_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Coarse { products: Products { system, resisting }, groups, arms, panel, bearing, values } = self;
+        let Coarse { products: Products { system, .. }, groups, arms, panel, bearing, values } = self;
         let pattern = &groups.pattern;
         let mut add = |row: usize, column: usize, square: &Square<R>| {
             let Some((at, stride)) = pattern.part_of(panel, row, column) else { return };
@@ -252,8 +262,10 @@ impl<R: Real + Send + Sync> WithSimd for Coarse<'_, '_, '_, R> {
             let mut squares = [[[R::ZERO; 12]; 12]; 3];
             let one = R::from_f64(1.0);
             for &k in same {
-                let contact = &resisting[k as usize];
-                let [[e, pressed], [g, against]] = [0, 1].map(|side| resisted(contact, contact.arms[side] + far[side]));
+                let contact = system.contact(k);
+                let resistance = contact.resistance();
+                let near = system.arms(contact);
+                let [[e, pressed], [g, against]] = [0, 1].map(|side| resisted(&resistance, near[side] + far[side]));
                 if own_i.is_some() {
                     add_outer(&mut squares[0], &e, &pressed, one);
                 }
@@ -294,7 +306,7 @@ impl<R: Real + Send + Sync> WithSimd for Applying<'_, '_, '_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Applying { level: TwoLevel { system, groups, factors, arms, .. }, residual, motions, mut part } = self;
+        let Applying { level: TwoLevel { system, groups, inverses, arms, .. }, residual, motions, mut part } = self;
         let fine = &system.layout.pattern;
         for place in part.places.clone() {
             let Some(into) = part.at(fine, place) else { continue };
@@ -304,7 +316,7 @@ impl<R: Real + Send + Sync> WithSimd for Applying<'_, '_, '_, R> {
             motion.iter_mut().zip(group).for_each(|(motion, &x)| *motion = R::from_f64(f64::from(x)));
             let moved = displacement(arms[place], &motion).components();
             motion[..3].copy_from_slice(&moved);
-            let own = solved(&factors[place], residual);
+            let own = times(&inverses[place], residual);
             for (into, (&motion, own)) in into.iter_mut().zip(motion.iter().zip(own)) {
                 *into = motion + R::from_f64(f64::from(own));
             }
@@ -312,22 +324,13 @@ impl<R: Real + Send + Sync> WithSimd for Applying<'_, '_, '_, R> {
     }
 }
 
-/// Solves by a block's factor.
+/// The inverse of a block's own matrix times a vector.
 #[inline(always)]
-fn solved<R: Real>(factor: &BlockFactor, force: &[R]) -> [f32; 12] {
+fn times<R: Real>(inverse: &BlockInverse, force: &[R]) -> [f32; 12] {
     let mut x = [0.0; 12];
-    x.iter_mut().zip(force).for_each(|(x, force)| *x = force.to_f64() as f32);
-    let unknowns = force.len().min(12);
-    for row in 0..unknowns {
-        let sum = (0..row).fold(x[row], |sum, k| sum - factor[packed(row, k)] * x[k]);
-        x[row] = sum * factor[packed(row, row)];
-    }
-    for row in (0..unknowns).rev() {
-        x[row] *= factor[packed(row, row)];
-        let known = x[row];
-        for k in 0..row {
-            x[k] -= factor[packed(row, k)] * known;
-        }
+    for (column, force) in inverse.iter().zip(force) {
+        let force = force.to_f64() as f32;
+        x.iter_mut().zip(column).for_each(|(x, value)| *x += value * force);
     }
     x
 }

@@ -4,7 +4,9 @@ use super::bricks::bricks;
 use super::*;
 use crate::dynamics::conjugate_gradients::{ConjugateGradients, Patience, Preconditioner};
 use crate::dynamics::displacement::displacement;
+use crate::dynamics::elimination_order::{Graph, Renumbered, elimination_order};
 use crate::dynamics::island::{BySingle, SingleFactor, islands};
+use crate::dynamics::pattern::Pattern;
 use crate::dynamics::products::Products;
 use crate::dynamics::system::System;
 use crate::dynamics::two_level::TwoLevel;
@@ -141,10 +143,35 @@ fn whether_products_can_suffice_follows_from_springs_and_inertia() {
         }
         let (found, expected) = (products.springs_to_inertia(), all / inertia - 1.0);
         assert!((found / expected - 1.0).abs() < 1e-12, "{found} for {expected}");
-        let patience = Patience::instead_of_factor(10_000_000, 10);
+        let patience = Patience::instead_of_factor(&system.layout.pattern, system.sides.len());
         assert!(patience.can_suffice(1.0) && !patience.can_suffice(100.0));
         assert!(Patience::WITHOUT_FACTOR.can_suffice(1e9));
     });
+}
+
+/// Blocks of twelve unknowns in a box, tied to those beside them, and so many contacts a tie: whether products can suffice instead of a factor
+/// wherever springs are stiff.
+fn is_tried_by_stiff_springs([x, y, z]: [u32; 3], contacts: usize) -> bool {
+    let place = |i: u32, j: u32, k: u32| i + x * (j + y * k);
+    let (mut pairs, mut at) = (Vec::new(), Vec::new());
+    for (k, j, i) in (0..z).flat_map(|k| (0..y).flat_map(move |j| (0..x).map(move |i| (k, j, i)))) {
+        at.push([i, j, k].map(f64::from));
+        let later = [(i + 1 < x, place(i + 1, j, k)), (j + 1 < y, place(i, j + 1, k)), (k + 1 < z, place(i, j, k + 1))];
+        pairs.extend(later.into_iter().filter(|(is_there, _)| *is_there).map(|(_, other)| [place(i, j, k), other]));
+    }
+    pairs.sort_unstable();
+    let unknowns = vec![12; at.len()];
+    let graph = Graph { unknowns: &unknowns, pairs: &pairs };
+    let pattern = Pattern::new(Renumbered::new(graph, &elimination_order(graph, &at).expect("an order")).graph());
+    Patience::instead_of_factor(&pattern, contacts * pairs.len()).can_suffice(1e9)
+}
+
+/// A mass in three dimensions fills its factor, a wall of more blocks does not.
+#[test]
+fn a_factor_that_takes_more_memory_than_all_else_is_the_last_resort() {
+    assert!(is_tried_by_stiff_springs([12, 12, 12], 4));
+    assert!(!is_tried_by_stiff_springs([60, 1, 60], 4));
+    assert!(!is_tried_by_stiff_springs([5, 5, 5], 4));
 }
 
 /// The solution by a factor in f64.
