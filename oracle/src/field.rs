@@ -13,12 +13,14 @@ mod exact;
 mod float;
 #[cfg(test)]
 mod operation_tests;
+mod packed;
 #[cfg(test)]
 mod tests;
 mod upper_bound;
 mod wide;
 
 pub(crate) use double::DoubleBall;
+pub(crate) use packed::{LANES, Packed, PackedBalls, PackedDoubleBalls, packed_vector, single_vector};
 pub(crate) use upper_bound::UpperBound;
 pub(crate) use wide::WideBall;
 
@@ -29,11 +31,17 @@ pub(crate) use rockproof_model::number::dyadic;
 use rockproof_model::number::exact_log2;
 use rockproof_model::{Number, Ring, Sign, Topology, Vec3};
 
+/// A ring in which numbers can be halved.
+pub(crate) trait Halve: Ring {
+    /// `self / 2`.
+    fn half(&self) -> Self;
+}
+
 /// Real numbers, known exactly or within an enclosure that always holds the exact value.
 ///
 /// Every operation on enclosures gives an enclosure of the result for all values the operands may have. `None` says
 /// that this type cannot tell, never that no result exists.
-pub(crate) trait Field: Ring {
+pub(crate) trait Field: Halve {
     /// The enclosure of a fraction to `bits` significant bits, as far as the type goes.
     fn of_rational(value: &BigRational, bits: u32) -> Self;
 
@@ -52,9 +60,6 @@ pub(crate) trait Field: Ring {
 
     /// `√self`; `None` where the value may be negative, or where the type has no such number.
     fn root(&self) -> Option<Self>;
-
-    /// `self / 2`.
-    fn half(&self) -> Self;
 
     /// The sign, where all values enclosed have the same.
     fn certain_sign(&self) -> Option<Sign>;

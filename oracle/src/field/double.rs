@@ -3,7 +3,7 @@
 //! theorems 3.1, 5.1 and 6.2: off by at most 3u², 7u² and 15u² of themselves, and a little; the root is that of V. Lefèvre and others
 //! (2022), 25/8·u². [`ROUNDING`] covers all.
 
-use super::{Field, UpperBound, dyadic};
+use super::{Field, Halve, UpperBound, dyadic};
 use crate::number::{INFLATION, SMALLEST_POSITIVE, UNDERFLOW, UNIT_ROUNDOFF};
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -20,25 +20,28 @@ pub(crate) struct DoubleBall {
 }
 
 /// 32u²: above the relative error of every operation.
-const ROUNDING: f64 = 32.0 * UNIT_ROUNDOFF * UNIT_ROUNDOFF;
+pub(super) const ROUNDING: f64 = 32.0 * UNIT_ROUNDOFF * UNIT_ROUNDOFF;
 /// Below, the low part of a product may be lost to underflow.
 const SAFE: f64 = f64::MIN_POSITIVE * (1u64 << 60) as f64;
 
 /// `a + b` and what the rounding lost, exactly (Knuth).
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
+#[inline]
+pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let of_b = sum - a;
     (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
 /// The same where |a| ≥ |b| or a is zero (Dekker).
-fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
+#[inline]
+pub(super) fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     (sum, b - (sum - a))
 }
 
 /// `a · b` and what the rounding lost, exactly above [`SAFE`] (Dekker, Veltkamp).
-fn two_product(a: f64, b: f64) -> (f64, f64) {
+#[inline]
+pub(super) fn two_product(a: f64, b: f64) -> (f64, f64) {
     const SPLIT: f64 = 134_217_729.0;
     let split = |x: f64| {
         let wide = SPLIT * x;
@@ -164,6 +167,17 @@ impl Ring for DoubleBall {
     }
 }
 
+impl Halve for DoubleBall {
+    fn half(&self) -> Self {
+        let tiny = |part: f64| part != 0.0 && part.abs() <= 4.0 * UNDERFLOW;
+        let rounded = tiny(self.high) || tiny(self.low) || tiny(self.radius);
+        let radius = self.radius / 2.0;
+        // Beside a large radius UNDERFLOW is lost.
+        let radius = if rounded { radius * INFLATION + UNDERFLOW } else { radius };
+        DoubleBall { high: self.high / 2.0, low: self.low / 2.0, radius }
+    }
+}
+
 impl Field for DoubleBall {
     fn of_rational(value: &BigRational, bits: u32) -> Self {
         Self::of_number(&Number::from_rational(value.clone()), bits)
@@ -234,12 +248,6 @@ impl Field for DoubleBall {
         }
         // The root of a number above SAFE is far above what underflow may take from its radius.
         Some(DoubleBall::rounded(high, low, spread))
-    }
-
-    fn half(&self) -> Self {
-        let tiny = |part: f64| part != 0.0 && part.abs() <= 4.0 * UNDERFLOW;
-        let more = if tiny(self.high) || tiny(self.low) || tiny(self.radius) { UNDERFLOW } else { 0.0 };
-        DoubleBall { high: self.high / 2.0, low: self.low / 2.0, radius: self.radius / 2.0 + more }
     }
 
     fn certain_sign(&self) -> Option<Sign> {

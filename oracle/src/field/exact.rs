@@ -1,6 +1,6 @@
 //! The exact level: fractions.
 
-use super::{Field, UpperBound};
+use super::{Field, Halve, UpperBound};
 use crate::mass::Integrals;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -9,6 +9,12 @@ use rockproof_model::fraction::{self, common_multiple};
 use rockproof_model::number::round_rational;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Number, Precision, Sign, Topology, Vec3};
+
+impl Halve for BigRational {
+    fn half(&self) -> Self {
+        fraction::product(self, &BigRational::new_raw(1.into(), 2.into()))
+    }
+}
 
 impl Field for BigRational {
     fn of_rational(value: &BigRational, _bits: u32) -> Self {
@@ -26,10 +32,6 @@ impl Field for BigRational {
     /// Only squares of fractions have a root here.
     fn root(&self) -> Option<Self> {
         Some(BigRational::new_raw(whole_root(self.numer())?, whole_root(self.denom())?))
-    }
-
-    fn half(&self) -> Self {
-        fraction::product(self, &BigRational::new_raw(1.into(), 2.into()))
     }
 
     fn certain_sign(&self) -> Option<Sign> {

@@ -1,7 +1,7 @@
 //! The cheapest level: f64 balls. Each radius is formed from at most eight roundings, which [`INFLATION`] makes up for;
 //! [`UNDERFLOW`] is added wherever a result may have fallen below the normal numbers.
 
-use super::{Field, UpperBound, dyadic};
+use super::{Field, Halve, UpperBound, dyadic};
 use crate::number::{Ball, INFLATION, SMALLEST_POSITIVE, UNDERFLOW, UNIT_ROUNDOFF, sum_is_exact};
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -14,6 +14,18 @@ fn around(rounded: Option<f64>) -> Ball {
     match rounded {
         Some(middle) => Ball { middle, radius: (middle.abs() * UNIT_ROUNDOFF) * INFLATION + UNDERFLOW },
         None => Ball { middle: 0.0, radius: f64::INFINITY },
+    }
+}
+
+impl Halve for Ball {
+    fn half(&self) -> Self {
+        let radius = self.radius / 2.0;
+        // Halving loses a bit only below the normal numbers.
+        let safe = self.middle == 0.0 || self.middle.abs() > 4.0 * UNDERFLOW;
+        // Half of the least radius rounds to zero, which would call the middle exact.
+        let whole = safe && (self.radius == 0.0 || radius > 4.0 * UNDERFLOW);
+        // Beside a large radius UNDERFLOW is lost.
+        Ball { middle: self.middle / 2.0, radius: if whole { radius } else { radius * INFLATION + UNDERFLOW } }
     }
 }
 
@@ -76,15 +88,6 @@ impl Field for Ball {
         // No root is so small that something could be lost to underflow.
         let middle = self.middle.sqrt();
         Some(Ball { middle, radius: (self.radius / middle + middle * UNIT_ROUNDOFF) * INFLATION })
-    }
-
-    fn half(&self) -> Self {
-        let radius = self.radius / 2.0;
-        // Halving loses a bit only below the normal numbers.
-        let safe = self.middle == 0.0 || self.middle.abs() > 4.0 * UNDERFLOW;
-        // Half of the least radius rounds to zero, which would call the middle exact.
-        let whole = safe && (self.radius == 0.0 || radius > 4.0 * UNDERFLOW);
-        Ball { middle: self.middle / 2.0, radius: if whole { radius } else { radius + UNDERFLOW } }
     }
 
     fn certain_sign(&self) -> Option<Sign> {

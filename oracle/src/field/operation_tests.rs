@@ -100,8 +100,10 @@ fn f64_floor(least: &BigRational) -> BigRational {
 }
 
 /// Middles and radii that matter to what is made of one alone: a root next to a tie, radii below the normal numbers beside a middle that
-/// is not.
-const ALONE: [(f64, f64); 3] = [(1.0 + f64::EPSILON, 0.0), (1.0, 2.5e-323), (1.0, 5e-324)];
+/// is not, a large radius beside a middle that loses a bit when it is halved.
+const ALONE: [(f64, f64); 4] = [(1.0 + f64::EPSILON, 0.0), (1.0, 2.5e-323), (1.0, 5e-324), (MIN_ODD, 1e-3)];
+/// Of which the half is no f64.
+const MIN_ODD: f64 = f64::from_bits(f64::MIN_POSITIVE.to_bits() + 1);
 
 /// Parts of enclosures in f64: middles, and for each radii that matter beside it.
 fn middles_and_radii() -> Vec<(f64, f64)> {

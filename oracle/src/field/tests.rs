@@ -1,6 +1,6 @@
 //! Random expressions: every enclosure holds the exact value, and no certain sign is wrong.
 
-use super::{DoubleBall, Field, UpperBound, WideBall};
+use super::{DoubleBall, Field, Halve, UpperBound, WideBall};
 use crate::number::Ball;
 use num_bigint::BigInt;
 use num_rational::BigRational;

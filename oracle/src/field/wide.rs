@@ -1,6 +1,6 @@
 //! Balls of as many bits as asked for: a binary number and an upper bound of its distance from the exact value.
 
-use super::{Field, UpperBound, dyadic};
+use super::{Field, Halve, UpperBound, dyadic};
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
@@ -193,6 +193,12 @@ impl Ring for WideBall {
     }
 }
 
+impl Halve for WideBall {
+    fn half(&self) -> Self {
+        WideBall { exponent: self.exponent - 1, radius: self.radius.shifted(-1), ..self.clone() }
+    }
+}
+
 impl Field for WideBall {
     fn of_rational(value: &BigRational, bits: u32) -> Self {
         let part = |n: &BigInt| WideBall::exactly(n.clone(), 0, u32::MAX);
@@ -232,10 +238,6 @@ impl Field for WideBall {
             radius = radius.plus(self.radius.over(floor(&root, exponent))?);
         }
         Some(WideBall { significand: root, exponent, radius, bits: self.bits }.cut())
-    }
-
-    fn half(&self) -> Self {
-        WideBall { exponent: self.exponent - 1, radius: self.radius.shifted(-1), ..self.clone() }
     }
 
     fn certain_sign(&self) -> Option<Sign> {

@@ -116,17 +116,17 @@ impl<'l> Stiffness<'l> {
     /// The factor; `None` where f64 finds the matrix not definite.
     pub(crate) fn factor(&self) -> Option<Approximate> {
         let (n, layout) = (self.layout.unknowns(), self.layout);
-        let mut block = 0;
-        let mut value = |column: usize, place: Option<(usize, usize)>, r: usize, c: usize| match place {
-            Some((_, place)) => self.beside[place][r][c],
-            None => {
-                while layout.starts[block + 1] <= column {
-                    block += 1;
-                }
-                self.diagonal[block][r][c]
-            }
-        };
         if n <= DENSE {
+            let mut block = 0;
+            let mut value = |column: usize, place: Option<(usize, usize)>, r: usize, c: usize| match place {
+                Some((_, place)) => self.beside[place][r][c],
+                None => {
+                    while layout.starts[block + 1] <= column {
+                        block += 1;
+                    }
+                    self.diagonal[block][r][c]
+                }
+            };
             let mut matrix = DMatrix::zeros(n, n);
             layout.entries(|row, column, place, r, c| {
                 let entry = value(column, place, r, c);
@@ -135,8 +135,17 @@ impl<'l> Stiffness<'l> {
             return Cholesky::new(matrix).map(Approximate::Dense);
         }
         let pattern = layout.pattern()?;
-        let mut values = Vec::with_capacity(pattern.rows.len());
-        layout.entries(|_, column, place, r, c| values.push(value(column, place, r, c)));
+        // In the order of `entries`.
+        let mut values: Vec<f64> = Vec::with_capacity(pattern.rows.len());
+        for (column, below) in layout.below.iter().enumerate() {
+            let size = layout.size(column);
+            for c in 0..size {
+                values.extend(self.diagonal[column][c..size].iter().map(|line| line[c]));
+                for &(row, place) in below {
+                    values.extend(self.beside[place][..layout.size(row)].iter().map(|line| line[c]));
+                }
+            }
+        }
         let of = SymbolicSparseColMatRef::new_checked(n, n, &pattern.columns, None, &pattern.rows);
         let matrix = SparseColMatRef::new(of, &values);
         Llt::try_new_with_symbolic(pattern.symbolic.clone(), matrix, Side::Lower).ok().map(Approximate::Sparse)

@@ -2,11 +2,13 @@
 
 use super::attempt_values::{AttemptValues, empty_cells};
 use super::cascade::EXACT_UNKNOWNS;
+use super::contact::ContactGeometry;
 use super::friction::SlipForce;
 use super::islands::islands_up_to;
 use super::state::Mode;
 use super::system::{StepNumber, StepSupport, System};
-use rockproof_model::Vec3;
+use crate::field::{LANES, Packed, single_vector};
+use rockproof_model::{Ring, Vec3};
 use std::cell::OnceCell;
 
 /// What a solve left.
@@ -30,6 +32,14 @@ struct ContactMotion<S> {
     along: S,
     /// h·|N|.
     gap: S,
+}
+
+impl<S: Ring> ContactMotion<S> {
+    fn new(contact: &ContactGeometry<S>, moved: Vec3<S>) -> ContactMotion<S> {
+        let along = contact.normal.dot(&moved);
+        let gap = contact.gap.plus(&along);
+        ContactMotion { moved, along, gap }
+    }
 }
 
 impl<S> AttemptSolve<S> {
@@ -116,15 +126,45 @@ impl<S: StepNumber> AttemptValues<'_, S> {
 
     /// How a contact moved in a solve.
     fn motion<'i>(&self, solve: &'i AttemptSolve<S>, k: usize) -> Option<&'i ContactMotion<S>> {
+        if solve.motions[k].get().is_none() {
+            S::keep_motions(self, solve, k);
+        }
+        solve.motions[k].get()?.as_ref()
+    }
+
+    /// Keeps how a contact moved.
+    pub(crate) fn keep_motion(&self, solve: &AttemptSolve<S>, k: usize) {
         let make = || {
             let [i, j] = self.attempt.started[k].blocks;
             let contact = self.contact(k)?;
             let moved = contact.moved([self.displacement(solve, i)?, self.displacement(solve, j)?]);
-            let along = contact.normal.dot(&moved);
-            let gap = contact.gap.plus(&along);
-            Some(ContactMotion { moved, along, gap })
+            Some(ContactMotion::new(contact, moved))
         };
-        solve.motions[k].get_or_init(make).as_ref()
+        solve.motions[k].get_or_init(make);
+    }
+
+    /// Keeps how a contact and those beside it moved, four together.
+    pub(crate) fn keep_packed_motions<P: Packed<Single = S>>(&self, solve: &AttemptSolve<S>, k: usize) {
+        let (first, last) = (k / LANES * LANES, self.attempt.started.len() - 1);
+        let lanes: [usize; LANES] = std::array::from_fn(|lane| (first + lane).min(last));
+        let known = |k: usize| {
+            let [i, j] = self.attempt.started[k].blocks;
+            Some((self.contact(k)?, [self.displacement(solve, i)?.as_slice(), self.displacement(solve, j)?.as_slice()]))
+        };
+        let [Some(a), Some(b), Some(c), Some(d)] = lanes.map(known) else { return self.keep_motion(solve, k) };
+        let known = [a, b, c, d];
+        let contact = ContactGeometry::<P>::packed(known.map(|(contact, _)| contact));
+        let motion = ContactMotion::new(&contact, contact.packed_moved(known.map(|(_, displacements)| displacements)));
+        for (lane, &k) in lanes.iter().enumerate() {
+            let single = || {
+                Some(ContactMotion {
+                    moved: single_vector(&motion.moved, lane),
+                    along: motion.along.single(lane),
+                    gap: motion.gap.single(lane),
+                })
+            };
+            solve.motions[k].get_or_init(single);
+        }
     }
 
     /// h·|N| of a contact after a solve.

@@ -1,7 +1,7 @@
 //! The geometry of a contact: points, normal, gap and start stretch, with nothing divided by a square root.
 
 use super::frame;
-use crate::field::Field;
+use crate::field::{Field, Halve, LANES, Packed, packed_vector};
 use crate::mass::{difference, over};
 use rockproof_model::block::face_normal;
 use rockproof_model::{Block, Contact, EdgeId, Entrance, FaceId, Point, Ring, Sign, Vec3, VertexId};
@@ -163,7 +163,9 @@ impl<S: Field> ContactGeometry<S> {
         }
         Some(geometry)
     }
+}
 
+impl<S: Halve> ContactGeometry<S> {
     /// How A's point moves against B's with these displacements.
     pub(crate) fn moved(&self, d: [&[S]; 2]) -> Vec3<S> {
         match [d[0].is_empty(), d[1].is_empty()] {
@@ -176,5 +178,31 @@ impl<S: Field> ContactGeometry<S> {
     /// The part of a vector across N, `along` its product with N.
     pub(crate) fn across(&self, v: &Vec3<S>, along: &S) -> Vec3<S> {
         v.minus(&self.normal.scaled(&along.times(&self.over_square)))
+    }
+}
+
+impl<P: Packed> ContactGeometry<P> {
+    /// Four contacts together.
+    pub(crate) fn packed(contacts: [&ContactGeometry<P::Single>; LANES]) -> ContactGeometry<P> {
+        ContactGeometry {
+            square: P::of(contacts.map(|contact| &contact.square)),
+            normal: packed_vector(contacts.map(|contact| &contact.normal)),
+            gap: P::of(contacts.map(|contact| &contact.gap)),
+            points: [0, 1].map(|side: usize| packed_vector(contacts.map(|contact| &contact.points[side]))),
+            over_square: P::of(contacts.map(|contact| &contact.over_square)),
+            stretch: packed_vector(contacts.map(|contact| &contact.stretch)),
+        }
+    }
+
+    /// How each of them moves with these displacements of its blocks.
+    pub(crate) fn packed_moved(&self, d: [[&[P::Single]; 2]; LANES]) -> Vec3<P> {
+        let zero = Ring::from_i32(0);
+        let unknowns = [0, 1].map(|side: usize| {
+            let of = d.map(|d| d[side]);
+            let most = of.iter().map(|d| d.len()).max().unwrap_or(0);
+            // What a block does not have is zero.
+            (0..most).map(|k| P::of(of.map(|d| d.get(k).unwrap_or(&zero)))).collect::<Vec<P>>()
+        });
+        self.moved([&unknowns[0], &unknowns[1]])
     }
 }

@@ -1,6 +1,6 @@
 //! The displacement matrix T(x) and its transpose.
 
-use crate::field::Field;
+use crate::field::{Field, Halve};
 use crate::mass::TURNS_AND_STRAINS;
 use rockproof_model::Vec3;
 
@@ -8,7 +8,7 @@ use rockproof_model::Vec3;
 pub(crate) const UNKNOWNS: usize = 12;
 
 /// `value · twice/2`, twice one of −2, 1 and 2.
-fn part<S: Field>(value: S, twice: i32) -> S {
+fn part<S: Halve>(value: S, twice: i32) -> S {
     match twice {
         2 => value,
         -2 => value.negated(),
@@ -17,7 +17,7 @@ fn part<S: Field>(value: S, twice: i32) -> S {
 }
 
 /// Entry k of `T(x)ᵀ·n`.
-fn pulled<S: Field>(x: [&S; 3], n: [&S; 3], k: usize) -> S {
+pub(crate) fn pulled<S: Halve>(x: [&S; 3], n: [&S; 3], k: usize) -> S {
     if k < 3 {
         return n[k].clone();
     }
@@ -39,7 +39,7 @@ pub(crate) fn add_pull<S: Field>(forces: &mut [S], x: &Vec3<S>, n: &Vec3<S>) {
 }
 
 /// `T(x)·d`, X relative to the centroid; unknowns that d does not have are zero.
-pub(crate) fn displacement<S: Field>(x: &Vec3<S>, d: &[S]) -> Vec3<S> {
+pub(crate) fn displacement<S: Halve>(x: &Vec3<S>, d: &[S]) -> Vec3<S> {
     if d.is_empty() {
         return Vec3::zero();
     }

@@ -6,7 +6,7 @@ use super::attempt_values::AttemptValues;
 use super::state::Mode;
 use super::system::StepNumber;
 use crate::field::Field;
-use rockproof_model::Vec3;
+use rockproof_model::{Ring, Vec3};
 
 /// What friction does to a sliding contact in one solve: a force f along the last slip, and a spring on the part of the stretch
 /// across it.
@@ -27,16 +27,23 @@ impl<S: Field> SlipForce<S> {
         SlipForce { last: last.clone(), secant: S::from_i32(0), across: Vec3::zero(), spring: S::from_i32(0) }
     }
 
-    /// f, on J.
-    pub(crate) fn constant(&self) -> Vec3<S> {
-        self.last.scaled(&self.secant)
-    }
-
     /// `f + k(s·b)b` at the stretch s, on J.
     pub(crate) fn at(&self, s: &Vec3<S>) -> Vec3<S> {
         if self.spring.is_zero() {
             return self.constant();
         }
+        self.with_spring(s)
+    }
+}
+
+impl<S: Ring> SlipForce<S> {
+    /// f, on J.
+    pub(crate) fn constant(&self) -> Vec3<S> {
+        self.last.scaled(&self.secant)
+    }
+
+    /// `f + k(s·b)b`, k zero or not.
+    pub(crate) fn with_spring(&self, s: &Vec3<S>) -> Vec3<S> {
         self.constant().plus(&self.across.scaled(&self.spring.times(&s.dot(&self.across))))
     }
 }

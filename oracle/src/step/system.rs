@@ -1,16 +1,18 @@
 //! The system of one solve: its residual without a matrix, its matrix where elimination wants one, and its f64 stiffness.
 
 mod free_motion;
+mod residual;
 
 use super::approximate::{Approximate, Layout, Square, Stiffness};
-use super::attempt_values::{AttemptValues, Base};
+use super::attempt_solve::AttemptSolve;
+use super::attempt_values::{AttemptValues, Base, JointIn};
 use super::contact::ContactGeometry;
 use super::frame;
 use super::friction::SlipForce;
 use super::state::Mode;
-use crate::field::{DoubleBall, Field, WideBall};
+use crate::field::{DoubleBall, Field, PackedBalls, PackedDoubleBalls, WideBall};
 use crate::number::Ball;
-use crate::solve::{BlockSparseSystem, Factor, Residual, Support, eliminate, fraction_free_solve, refine};
+use crate::solve::{BlockSparseSystem, Factor, Support, eliminate, fraction_free_solve, refine};
 use num_rational::BigRational;
 
 /// Blocks and their closed contacts in these modes, with what friction does to those that slide.
@@ -67,10 +69,20 @@ pub(crate) trait StepNumber: Field {
         support: Option<&StepSupport<'_>>,
         start: Option<Vec<Self>>,
     ) -> Option<Vec<Self>>;
+
+    /// `F − K·x`, or F.
+    fn residual(system: &System<'_, '_, Self>, x: Option<&[Self]>) -> Vec<Self> {
+        system.residual_singly(x)
+    }
+
+    /// Keeps how a contact moved in a solve.
+    fn keep_motions(values: &AttemptValues<'_, Self>, solve: &AttemptSolve<Self>, k: usize) {
+        values.keep_motion(solve, k);
+    }
 }
 
 macro_rules! refined {
-    ($($type:ty),*) => {$(
+    ($($type:ty, $packed:ty;)*) => {$(
         impl StepNumber for $type {
             fn solve(
                 system: &System<'_, '_, Self>,
@@ -79,11 +91,19 @@ macro_rules! refined {
             ) -> Option<Vec<Self>> {
                 refine(system, support?, start, system.values.bits)
             }
+
+            fn residual(system: &System<'_, '_, Self>, x: Option<&[Self]>) -> Vec<Self> {
+                system.residual_packed::<$packed>(x)
+            }
+
+            fn keep_motions(values: &AttemptValues<'_, Self>, solve: &AttemptSolve<Self>, k: usize) {
+                values.keep_packed_motions::<$packed>(solve, k);
+            }
         }
     )*};
 }
 
-refined!(Ball, DoubleBall);
+refined!(Ball, PackedBalls; DoubleBall, PackedDoubleBalls;);
 
 impl StepNumber for WideBall {
     fn solve(
@@ -117,43 +137,6 @@ impl<S: StepNumber> AttemptValues<'_, S> {
     /// The system of the next solve with these modes, as a matrix.
     pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSparseSystem<S>> {
         Some(System::of(self, modes, &self.friction(modes)?, None)?.assembled())
-    }
-}
-
-impl<S: Field> Residual<S> for System<'_, '_, S> {
-    fn right(&self) -> Vec<S> {
-        let count = self.sizes().iter().sum();
-        self.residual(&vec![S::from_i32(0); count])
-    }
-
-    /// `F − K·x`, contact by contact: the force that each would bear is calculated from its gap and stretch. Neither loses
-    /// digits to large stiffnesses, as a product with the assembled matrix would.
-    fn residual(&self, x: &[S]) -> Vec<S> {
-        let values = self.values;
-        let mut residual = Vec::with_capacity(x.len());
-        let mut starts = Vec::with_capacity(self.base.len());
-        for base in &self.base {
-            let start = residual.len();
-            starts.push(start);
-            let own = &x[start..start + base.right.len()];
-            for (row, right) in base.matrix.iter().zip(&base.right) {
-                let terms = row.iter().zip(own).filter(|(entry, x)| !entry.is_zero() && !x.is_zero());
-                residual.push(terms.fold(right.clone(), |sum, (entry, x)| sum.minus(&entry.times(x))));
-            }
-        }
-        for &(k, contact) in &self.closed {
-            let places = values.attempt.started[k].blocks.map(|block| self.places[block]);
-            let ranges = places.map(|place| place.map(|p| starts[p]..starts[p] + self.base[p].right.len()));
-            let of = |side: usize| ranges[side].as_ref().map_or(&x[0..0], |range| &x[range.clone()]);
-            let force = self.force_on_b(k, contact, [of(0), of(1)]);
-            let forces = [force.negated(), force];
-            for (side, force) in forces.iter().enumerate() {
-                if let Some(range) = &ranges[side] {
-                    frame::add_pull(&mut residual[range.clone()], &contact.points[side], force);
-                }
-            }
-        }
-        residual
     }
 }
 
@@ -221,7 +204,7 @@ pub(crate) struct StiffnessBound {
 impl StiffnessBound {
     /// The bound of an attempt's base; `None` where f64 proves none, or a stiffness may be negative.
     pub(crate) fn new<S: Field>(values: &AttemptValues<'_, S>) -> Option<StiffnessBound> {
-        let springs = |joint: &super::attempt_values::JointIn<S>| {
+        let springs = |joint: &JointIn<S>| {
             let mut signs = [&joint.normal, &joint.shear].into_iter().map(Field::certain_sign);
             signs.all(|sign| sign.is_some_and(|sign| !sign.is_negative()))
         };
@@ -295,6 +278,12 @@ pub(crate) fn stiffness<'l, S: StepNumber>(
 ) -> Option<Stiffness<'l>> {
     let friction = values.friction(modes)?;
     let near = |value: &S| value.nearby().0;
+    // First what this type may know too little of.
+    let spring = |(slip, joint): (&Option<SlipForce<S>>, &JointIn<S>)| match slip {
+        Some(slip) => float_spring(slip, near(&joint.normal)),
+        None => Some((0.0, [0.0; 3])),
+    };
+    let springs = friction.iter().zip(&values.joints).map(spring).collect::<Option<Vec<_>>>()?;
     let diagonal = values.attempt.moving().map(|(block, _)| {
         let mut square: Square = [[0.0; 12]; 12];
         for (line, row) in square.iter_mut().zip(&values.base(block)?.matrix) {
@@ -312,10 +301,7 @@ pub(crate) fn stiffness<'l, S: StepNumber>(
         let n = [n.x, n.y, n.z].map(|c| c / near(&contact.square).sqrt());
         let (normal, shear) = (near(&joint.normal), if mode == Mode::Locked { near(&joint.shear) } else { 0.0 });
         // The force of a displacement of A against B: shear across n, what is more along it, and the spring across the slip.
-        let (spring, b) = match &friction[k] {
-            Some(slip) => float_spring(slip, normal)?,
-            None => (0.0, [0.0; 3]),
-        };
+        let (spring, b) = springs[k];
         let bent: [[f64; 3]; 3] = std::array::from_fn(|r| {
             std::array::from_fn(|c| {
                 (normal - shear) * n[r] * n[c] + if r == c { shear } else { 0.0 } + spring * b[r] * b[c]

@@ -7,7 +7,9 @@ use super::super::prepare::PreparedStep;
 use super::super::state::State;
 use super::super::system::System;
 use super::*;
-use crate::solve::fraction_free_solve;
+use crate::field::{Field, Packed, PackedBalls, PackedDoubleBalls, UpperBound};
+use crate::solve::{Correctable, fraction_free_solve};
+use num_traits::Signed;
 use rockproof_model::simulation::{Body, Motion, Simulation};
 use rockproof_model::{Block, Number, Precision, ToleranceSpec, Vec3};
 
@@ -108,5 +110,81 @@ fn a_tie_of_blocks_that_fall_together_needs_no_balls_of_many_bits() {
         assert_eq!(cascade.ask(&NextMode { contact: pressed, mode: Mode::Locked }), Some(Mode::Locked));
         assert!(!cascade.may_move_freely(pressed) && !cascade.may_move_freely(contact(attempt, PARTING)));
         assert_eq!((cascade.levels.exact, cascade.levels.undecided), (1, 0));
+    });
+}
+
+/// Holds residuals and motions of four contacts at a time against those of one, at the solution of the last solve and at another vector.
+fn hold_packed<P: Packed<Single = S>, S: StepNumber + Correctable + std::fmt::Debug>(
+    attempt: &Attempt<'_>,
+    values: &AttemptValues<'_, S>,
+    modes: &[Mode],
+) {
+    let friction = values.friction(modes).unwrap();
+    let system = System::of(values, modes, &friction, None).unwrap();
+    let solved: Vec<S> = values.solves[0].solution().map(|x| x.corrected(0.0, 0, 106)).collect();
+    let other: Vec<S> =
+        (0..solved.len()).map(|k| S::of_rational(&BigRational::new((k as i64 - 9).into(), 7000.into()), 106)).collect();
+    for x in [None, Some(&solved[..]), Some(&other[..])] {
+        let (packed, single) = (system.residual_packed::<P>(x), system.residual_singly(x));
+        assert_eq!(packed.len(), single.len());
+        for (packed, single) in packed.iter().zip(&single) {
+            assert_eq!(packed.middle(), single.middle(), "{packed:?} {single:?}");
+            assert!(packed.radius().unwrap() >= single.radius().unwrap(), "{packed:?} {single:?}");
+            assert!(
+                packed.radius().unwrap()
+                    <= single.radius().unwrap().plus(single.radius().unwrap()).plus(UpperBound::power_of_two(-40))
+            );
+        }
+    }
+    for k in 0..attempt.started.len() {
+        let (contact, solve) = (values.contact(k).unwrap(), &values.solves[0]);
+        let [a, b] = attempt.started[k].blocks.map(|block| values.displacement(solve, block).unwrap());
+        let moved = contact.moved([a, b]);
+        let along = contact.normal.dot(&moved);
+        let stretch = contact.stretch.plus(&contact.across(&moved, &along));
+        assert_eq!(values.gap(solve, k).unwrap().middle(), contact.gap.plus(&along).middle());
+        assert_eq!(values.stretch(solve, k).unwrap().map(Field::middle), stretch.map(Field::middle));
+        assert!(values.gap(solve, k).unwrap().radius() >= contact.gap.plus(&along).radius());
+    }
+}
+
+#[test]
+fn four_contacts_at_a_time_have_the_middles_of_single_ones() {
+    with_cascade(|attempt, mut cascade| {
+        let mut modes = attempt.first_modes();
+        let slides = contact(attempt, PARTING);
+        let float = cascade.float().unwrap();
+        hold_packed::<PackedBalls, Ball>(attempt, float, &modes);
+        let double = cascade.double().unwrap();
+        hold_packed::<PackedDoubleBalls, DoubleBall>(attempt, double, &modes);
+        // One that slides beside others that do not, and a last group that is not full.
+        modes[slides] = Mode::Sliding;
+        for open in 0..5 {
+            modes[open] = Mode::Open;
+            assert!(double.friction(&modes).unwrap()[slides].as_ref().is_some_and(|slip| !slip.spring.is_zero()));
+            hold_packed::<PackedDoubleBalls, DoubleBall>(attempt, double, &modes);
+        }
+    });
+}
+
+#[test]
+fn a_residual_of_four_contacts_at_a_time_holds_the_exact_one() {
+    with_cascade(|attempt, mut cascade| {
+        let modes = attempt.first_modes();
+        let friction = vec![None; modes.len()];
+        let exact: AttemptValues<'_, BigRational> = AttemptValues::new(attempt, 0);
+        let none = vec![None; modes.len()];
+        let exact = System::of(&exact, &modes, &none, None).unwrap();
+        let values = cascade.double().unwrap();
+        let x: Vec<BigRational> = (0..exact.residual_singly(None).len())
+            .map(|k| BigRational::new((k as i64 - 9).into(), 1024.into()))
+            .collect();
+        let balls: Vec<DoubleBall> = x.iter().map(|x| DoubleBall::of_rational(x, 106)).collect();
+        let system = System::of(values, &modes, &friction, None).unwrap();
+        let residual = system.residual_packed::<PackedDoubleBalls>(Some(&balls));
+        for (ball, value) in residual.iter().zip(exact.residual_singly(Some(&x))) {
+            assert!((ball.middle() - value).abs() <= ball.radius().unwrap().to_rational());
+            assert!(ball.radius().unwrap() < UpperBound::power_of_two(-40));
+        }
     });
 }

@@ -1,7 +1,7 @@
 //! The force of a contact in a solve, and solves in which no contact bears one.
 
 use super::System;
-use crate::field::Field;
+use crate::field::{Field, Halve};
 use crate::solve::fraction_free_solve;
 use crate::step::attempt_values::empty_cells;
 use crate::step::contact::ContactGeometry;
@@ -9,19 +9,25 @@ use num_rational::BigRational;
 use rockproof_model::Vec3;
 use std::cell::OnceCell;
 
+/// The force of the normal spring on B, and the stretch, of a closed contact whose point of A moves so against B's.
+pub(super) fn pressed<S: Halve>(contact: &ContactGeometry<S>, normal: &S, moved: &Vec3<S>) -> (Vec3<S>, Vec3<S>) {
+    let along = contact.normal.dot(moved);
+    let push = normal.times(&contact.over_square).times(&contact.gap.plus(&along));
+    let stretch = contact.stretch.plus(&contact.across(moved, &along));
+    (contact.normal.scaled(&push), stretch)
+}
+
 impl<S: Field> System<'_, '_, S> {
     /// The force of a closed contact on B at displacements of its blocks.
     pub(super) fn force_on_b(&self, k: usize, contact: &ContactGeometry<S>, d: [&[S]; 2]) -> Vec3<S> {
         let joint = &self.values.joints[k];
         let moved = contact.moved(d);
-        let along = contact.normal.dot(&moved);
-        let push = joint.normal.times(&contact.over_square).times(&contact.gap.plus(&along));
-        let stretch = contact.stretch.plus(&contact.across(&moved, &along));
+        let (pressed, stretch) = pressed(contact, &joint.normal, &moved);
         let tangential = match &self.friction[k] {
             Some(slip) => slip.at(&stretch),
             None => stretch.scaled(&joint.shear),
         };
-        contact.normal.scaled(&push).plus(&tangential)
+        pressed.plus(&tangential)
     }
 }
 
