@@ -18,7 +18,7 @@ use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
-use rockproof_examine::{AuditedRun, IntrusionRecorder, violation_json, violations_text};
+use rockproof_examine::{AuditedRun, IntrusionRecorder, ignored_of_fixed, violation_json, violations_text};
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, Solver, step_in_words};
 use rockproof_model::{Precision, Scene, ToleranceSet, tolerance_rules};
@@ -256,6 +256,12 @@ impl Simulate {
         if !violated.is_empty() {
             let rules = counted(violated.len() as u64, "rule", "rules");
             print_note(&format!("running with {rules} violated: {}", violated.join("; ")));
+        }
+        if let Some(ignored) = ignored_of_fixed(&scene) {
+            print_note(&ignored);
+        }
+        if scene.fixed().into_iter().all(|is_fixed| is_fixed) {
+            print_note("every block is fixed, so nothing will move");
         }
         let mut about = Map::new();
         about.insert("file".to_owned(), self.scene.path().display().to_string().into());
