@@ -11,6 +11,7 @@ mod convert;
 mod examine;
 mod exit;
 mod gate;
+mod gate_diagnosis;
 mod input;
 mod input_file;
 mod merge;
