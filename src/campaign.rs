@@ -1,7 +1,8 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
 use crate::campaign_end::print_end;
-use crate::exit::{ExitStatus, Outcome, print_note};
+use crate::deny::{check_deny, denied, engine_names};
+use crate::exit::{ExitStatus, Outcome};
 use crate::input::{EngineArgs, FormatArgs, at_least_zero};
 use crate::progress::{counted_while, shown_while};
 use crate::reading::factor;
@@ -12,18 +13,15 @@ use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::diagnosis;
 use rockproof_campaign::engines::{Engines, EnginesError};
-use rockproof_campaign::journal::{CampaignProgress, Journal};
+use rockproof_campaign::journal::Journal;
 use rockproof_campaign::part::{Machine, Part};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
-use rockproof_campaign::steps::{self, StepChange};
+use rockproof_campaign::steps;
 use rockproof_campaign::stress::StressSource;
 use rockproof_differential::builtin::full_name;
-use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, Finding};
-use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::subject::PairSource;
-use rockproof_gate::config::RECOVERED;
 use rockproof_model::Number;
 use rockproof_model::files::read_text;
 use rockproof_results::Start;
@@ -326,68 +324,6 @@ pub(crate) fn probed(engines: &Engines, stop: &AtomicBool) -> anyhow::Result<boo
         Err(_) if stop.load(Ordering::SeqCst) => Ok(false),
         probed => Ok(probed.map(|()| true)?),
     }
-}
-
-/// The engines of a campaign.
-pub(crate) fn engine_names(config: &CampaignConfig) -> impl Iterator<Item = &str> {
-    let external = config.external.iter().map(|spec| spec.name.as_str());
-    config.engines.iter().map(String::as_str).chain(external)
-}
-
-/// Whether there is anything of a kind that `--deny` names, or an engine of those that must have been compared answered nothing: where nothing was compared
-/// nothing can be found, which must not pass a check.
-pub(crate) fn denied(kinds: &[String], compared: &[&str], progress: &CampaignProgress) -> ExitStatus {
-    if kinds.is_empty() {
-        return ExitStatus::Passed;
-    }
-    let mut all_compared = true;
-    for engine in compared {
-        let [asked, answered] = progress.agreement.asked_and_answered(engine);
-        if answered == 0 {
-            all_compared = false;
-            let why = if asked == 0 {
-                "was asked about no pair, since none survives rounding".to_owned()
-            } else {
-                format!("answered none of {asked} pairs")
-            };
-            print_note(&format!("denied: {engine} {why}, so nothing was compared"));
-        }
-    }
-    let (summary, steps) = (&progress.summary, &progress.steps);
-    let found = |kind: &&String| match kind.as_str() {
-        "any" => summary.total() + steps.total() > 0,
-        RECOVERED => progress.engines.values().any(|counts| counts.recovered > 0),
-        kind => summary.count_of(kind) + steps.count_of(kind) > 0,
-    };
-    let found: Vec<&String> = kinds.iter().filter(found).collect();
-    for kind in &found {
-        let what = if *kind == RECOVERED { "failures that were" } else { "findings of kind" };
-        print_note(&format!("denied: there are {what} {kind}"));
-    }
-    let names = |kind: &str| kinds.iter().any(|named| named == kind);
-    let of_builtin = [Cause::Defect, Cause::Arithmetic].map(Cause::name).into_iter().filter(|cause| names(cause));
-    if !progress.engines.is_empty() && !names("any") && !names(Cause::Engine.name()) {
-        let engines = progress.engines.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-        for cause in of_builtin {
-            print_note(&format!(
-                "--deny {cause} does not concern {engines}: findings about external engines have the cause engine (--deny engine)"
-            ));
-        }
-    }
-    if found.is_empty() && all_compared { ExitStatus::Passed } else { ExitStatus::CheckFailed }
-}
-
-pub(crate) fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
-    let known = |kind: &str| {
-        ["any", RECOVERED].contains(&kind) || StepCause::from_name(kind).is_some() || StepChange::is_known(kind)
-    };
-    if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
-        let causes = Cause::ALL.map(Cause::name).into_iter().chain(StepCause::NAMES);
-        let names = causes.chain(AnswerChange::ALL.map(AnswerChange::name)).chain(StepChange::NAMES);
-        let allowed = ["any", RECOVERED].into_iter().chain(names).collect::<Vec<_>>().join(", ");
-        anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
-    }
-    Ok(())
 }
 
 /// Looks for what is wrong with external engines, if there are any.

@@ -8,6 +8,7 @@ mod classify;
 mod compare;
 mod completions;
 mod convert;
+mod deny;
 mod examine;
 mod exit;
 mod gate;

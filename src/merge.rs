@@ -1,7 +1,8 @@
 //! `merge`: the parts of a campaign put together.
 
-use crate::campaign::{check_deny, denied, diagnosed, engine_names, pair_source, probed};
+use crate::campaign::{diagnosed, pair_source, probed};
 use crate::campaign_end::print_end;
+use crate::deny::{check_deny, denied, engine_names};
 use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::input::FormatArgs;
 use crate::progress::shown_while;
