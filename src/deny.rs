@@ -15,7 +15,7 @@ pub(crate) fn engine_names(config: &CampaignConfig) -> impl Iterator<Item = &str
     config.engines.iter().map(String::as_str).chain(external)
 }
 
-/// Whether there is anything of a kind that `--deny` names, or an engine of those that must have been compared answered nothing: where nothing was compared
+/// Whether there is anything of a kind that `--deny` names, or an engine of those that must have been compared answered nothing, or an external one less than half: where nothing was compared
 /// nothing can be found, which must not pass a check.
 pub(crate) fn denied(kinds: &[String], compared: &[&str], progress: &CampaignProgress) -> ExitStatus {
     if kinds.is_empty() {
@@ -24,14 +24,16 @@ pub(crate) fn denied(kinds: &[String], compared: &[&str], progress: &CampaignPro
     let mut all_compared = true;
     for engine in compared {
         let [asked, answered] = progress.agreement.asked_and_answered(engine);
-        if answered == 0 {
+        // As a gate asks of external engines. A built-in one may have no answer where rounding makes blocks degenerate.
+        let is_external = progress.engines.contains_key(*engine);
+        if answered == 0 || is_external && answered < asked - answered {
             all_compared = false;
-            let why = if asked == 0 {
-                "was asked about no pair, since none survives rounding".to_owned()
-            } else {
-                format!("answered none of {asked} pairs")
+            let what = match (asked, answered) {
+                (0, _) => "was asked about no pair, since none survives rounding, so nothing was compared".to_owned(),
+                (_, 0) => format!("answered none of {asked} pairs, so nothing was compared"),
+                _ => format!("answered {answered} of {asked} pairs, less than half, so next to nothing was compared"),
             };
-            print_note(&format!("denied: {engine} {why}, so nothing was compared"));
+            print_note(&format!("denied: {engine} {what}"));
         }
     }
     let (summary, steps) = (&progress.summary, &progress.steps);

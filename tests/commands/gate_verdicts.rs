@@ -221,6 +221,20 @@ fn a_campaign_that_compared_nothing_is_denied() {
         assert_eq!(code, 1, "{deny}: {err}");
         assert!(err.contains("denied: mine answered none of ") && err.contains("so nothing was compared"), "{err}");
     }
+    // The first questions alone have an answer, so that something is compared.
+    let [_, _, edit] = &always(r#""unsupported":"not today""#)[..] else { panic!("three words") };
+    let command = format!(
+        "[\"sed\", \"-u\", {}]",
+        toml::Value::from(format!("1,3s/^{{\"id\":\\([0-9]*\\),.*/{{\"id\":\\1,\"contacts\":[]}}/;t;{edit}"))
+    );
+    let few = words("")
+        .lines()
+        .filter(|line| !line.starts_with("command"))
+        .map(|line| format!("{line}\n"))
+        .collect::<String>();
+    place.file("few.toml", &format!("{few}command = {command}\n"));
+    let (code, _, err) = place.run(&["campaign", "few.toml", "--deny", "defect", "--threads", "1", "--out", "few"]);
+    assert!(code == 1 && err.contains(", less than half, so next to nothing was compared"), "{err}");
     let (code, _, err) = place.run(&["campaign", "none.toml", "--out", "none", "--overwrite"]);
     assert!(code == 0 && !err.contains("denied"), "without --deny nothing is: {err}");
     place.file("some.toml", &words(r#""contacts":[]"#));
