@@ -24,6 +24,10 @@ pub(crate) fn denied(kinds: &[String], compared: &[&str], progress: &CampaignPro
     let mut all_compared = true;
     for engine in compared {
         let [asked, answered] = progress.agreement.asked_and_answered(engine);
+        // Pairs that make steps alone are compared by these.
+        if asked == 0 && !progress.steps.is_empty() {
+            continue;
+        }
         // As a gate asks of external engines. A built-in one may have no answer where rounding makes blocks degenerate.
         let is_external = progress.engines.contains_key(*engine);
         if answered == 0 || is_external && answered < asked - answered {
