@@ -1,7 +1,8 @@
 //! `campaign`: generated and real pairs through every engine, differences explained, findings kept.
 
 use crate::campaign_end::print_end;
-use crate::exit::{ExitStatus, Outcome, print_note};
+use crate::deny::{check_deny, denied, engine_names};
+use crate::exit::{ExitStatus, Outcome};
 use crate::input::{EngineArgs, FormatArgs, at_least_zero};
 use crate::progress::{counted_while, shown_while};
 use crate::reading::factor;
@@ -12,18 +13,15 @@ use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::diagnosis;
 use rockproof_campaign::engines::{Engines, EnginesError};
-use rockproof_campaign::journal::{CampaignProgress, Journal};
+use rockproof_campaign::journal::Journal;
 use rockproof_campaign::part::{Machine, Part};
 use rockproof_campaign::run::{self, Ending};
 use rockproof_campaign::source;
-use rockproof_campaign::steps::{self, StepChange};
+use rockproof_campaign::steps;
 use rockproof_campaign::stress::StressSource;
 use rockproof_differential::builtin::full_name;
-use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, Finding};
-use rockproof_differential::lockstep::StepCause;
 use rockproof_differential::subject::PairSource;
-use rockproof_gate::config::RECOVERED;
 use rockproof_model::Number;
 use rockproof_model::files::read_text;
 use rockproof_results::Start;
@@ -51,7 +49,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 A finding's engine is `any` for a tolerance (it changes the exact answer for everyone; `f32` or `f64` under a set that
 depends on the precision), `f32` or `f64` for what rounding the input does, and an engine's name for its own arithmetic.
 
-Exit status: 0 done, 1 findings that --deny names, 2 usage or input error, 130 interrupted (go on with --resume).")]
+Exit status: 0 done, 1 findings that --deny names or nothing compared where it is given, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Campaign {
     /// TOML file of settings; the options below override it
     config: Option<PathBuf>,
@@ -206,7 +204,10 @@ impl Campaign {
         if ending == Ending::Stopped {
             return Ok(ExitStatus::Interrupted);
         }
-        Ok(denied(&self.deny, journal.progress()))
+        let names = engine_names(config);
+        // A part may be too small to hold a pair that survives rounding; the merge of all parts is no part.
+        let compared: Vec<&str> = if self.part.is_some() { Vec::new() } else { names.collect() };
+        Ok(denied(&self.deny, &compared, journal.progress()))
     }
 
     /// Worker threads; 0 for one a core.
@@ -323,45 +324,6 @@ pub(crate) fn probed(engines: &Engines, stop: &AtomicBool) -> anyhow::Result<boo
         Err(_) if stop.load(Ordering::SeqCst) => Ok(false),
         probed => Ok(probed.map(|()| true)?),
     }
-}
-
-/// Whether there is anything of a kind that `--deny` names.
-pub(crate) fn denied(kinds: &[String], progress: &CampaignProgress) -> ExitStatus {
-    let (summary, steps) = (&progress.summary, &progress.steps);
-    let found = |kind: &&String| match kind.as_str() {
-        "any" => summary.total() + steps.total() > 0,
-        RECOVERED => progress.engines.values().any(|counts| counts.recovered > 0),
-        kind => summary.count_of(kind) + steps.count_of(kind) > 0,
-    };
-    let found: Vec<&String> = kinds.iter().filter(found).collect();
-    for kind in &found {
-        let what = if *kind == RECOVERED { "failures that were" } else { "findings of kind" };
-        print_note(&format!("denied: there are {what} {kind}"));
-    }
-    let names = |kind: &str| kinds.iter().any(|named| named == kind);
-    let of_builtin = [Cause::Defect, Cause::Arithmetic].map(Cause::name).into_iter().filter(|cause| names(cause));
-    if !progress.engines.is_empty() && !names("any") && !names(Cause::Engine.name()) {
-        let engines = progress.engines.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-        for cause in of_builtin {
-            print_note(&format!(
-                "--deny {cause} does not concern {engines}: findings about external engines have the cause engine (--deny engine)"
-            ));
-        }
-    }
-    if found.is_empty() { ExitStatus::Passed } else { ExitStatus::CheckFailed }
-}
-
-pub(crate) fn check_deny(kinds: &[String]) -> anyhow::Result<()> {
-    let known = |kind: &str| {
-        ["any", RECOVERED].contains(&kind) || StepCause::from_name(kind).is_some() || StepChange::is_known(kind)
-    };
-    if let Some(kind) = kinds.iter().find(|kind| !known(kind)) {
-        let causes = Cause::ALL.map(Cause::name).into_iter().chain(StepCause::NAMES);
-        let names = causes.chain(AnswerChange::ALL.map(AnswerChange::name)).chain(StepChange::NAMES);
-        let allowed = ["any", RECOVERED].into_iter().chain(names).collect::<Vec<_>>().join(", ");
-        anyhow::bail!("--deny {kind}: no such kind; known are {allowed}");
-    }
-    Ok(())
 }
 
 /// Looks for what is wrong with external engines, if there are any.

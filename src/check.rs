@@ -6,7 +6,10 @@ use crate::input_file::{InputFile, ModelFile};
 use crate::progress::overlaps;
 use crate::reading::{is_apart_in, is_bent, planarity_that_merges, planarity_that_reads, weld_that_joins};
 use anyhow::Context;
-use rockproof_examine::{CheckError, CheckedModel, Naming, in_seven_digits, violation_json, violations_text};
+use rockproof_examine::{
+    CheckError, CheckedModel, Naming, StoredEnergy, in_seven_digits, unexplained_energy, violation_json,
+    violations_text,
+};
 use rockproof_model::text::noun;
 use rockproof_model::tolerance_rules::{Fall, Thin, Warning};
 use rockproof_model::{Number, Precision, Scene};
@@ -61,17 +64,22 @@ impl Check {
         }
         model.notes.iter().for_each(|note| print_note(note));
         let overlaps = overlaps(&model.scene, &model.set, None);
+        let stored = unexplained_energy(&model.scene, &model.set, &overlaps);
         let warnings = || {
             let (falls, thin) = (model.fall.iter().map(warning_of_fall), model.thin.iter().map(warning_of_thin));
             falls.chain(thin).chain(model.warnings.iter().map(warning)).collect::<String>()
         };
-        let rest = || warnings() + &overlaps.report(&model.scene);
+        let stored_text = || warning_of_energy(&stored, &model.scene);
+        let rest = || warnings() + &stored_text() + &overlaps.report(&model.scene);
         self.format.print(rest, || {
             let mut document = model.json();
+            document["touch_nothing"] = overlaps.lonely(model.scene.blocks.len()).into();
             document["rules_violated"] = model.violations.iter().map(violation_json).collect();
             document["overlaps"] = overlaps.json();
+            document["unexplained_energy"] = stored.iter().map(StoredEnergy::json).collect();
             document
         })?;
+        overlaps.lonely_sentence(&model.scene).into_iter().for_each(|lonely| print_note(&lonely));
         let sound = model.violations.is_empty() && overlaps.lost() == 0;
         Ok(if sound { ExitStatus::Passed } else { ExitStatus::CheckFailed })
     }
@@ -219,6 +227,20 @@ fn warning(warning: &Warning) -> String {
         kind.title(),
         kind.formula(),
         kind.reason()
+    )
+}
+
+/// Springs that store more than weights explain: the worst pair, in the same form.
+fn warning_of_energy(stored: &[StoredEnergy], scene: &Scene) -> String {
+    let Some(worst) = stored.first() else { return String::new() };
+    let pairs = noun(stored.len(), "pair", "pairs");
+    let (title, sentence, remedy) = (StoredEnergy::TITLE, worst.sentence(scene), StoredEnergy::remedy());
+    format!(
+        "\nwarning: {title}\n  (energy of the springs between two blocks) ≤ (force that presses them)·penetration\n\
+        \x20   found      {} {pairs}; the worst: {sentence}\n\
+        \x20   because    contacts that share a force F and are no deeper than penetration store no more than F·penetration\n\
+        \x20   satisfied  by {remedy}\n",
+        stored.len()
     )
 }
 

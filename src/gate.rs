@@ -1,6 +1,7 @@
 //! `gate`: does this change let contact classification get worse?
 
 use crate::exit::{ExitStatus, Outcome, print_as_it_is, print_note};
+use crate::gate_diagnosis;
 use crate::input::FormatArgs;
 use crate::output_file::{allow_ours, step_summary};
 use crate::stop::end_on_ctrl_c;
@@ -90,6 +91,8 @@ struct Gating<'g> {
     in_corpus: BTreeSet<String>,
     /// What external engines answered in all campaigns.
     answers: BTreeMap<String, Answers>,
+    /// What is wrong with external engines, where a check of a campaign fails.
+    wrong: Vec<String>,
 }
 
 impl Gate {
@@ -142,8 +145,8 @@ impl Gate {
         };
         let in_corpus = corpus::engines_of(&config.corpus)?;
         let rotating = self.rotating(&config)?;
-        let (steps, answers) = (Vec::new(), BTreeMap::new());
-        let mut gating = Gating { gate: self, config, engines, text, written: 0, steps, in_corpus, answers };
+        let (steps, answers, wrong) = (Vec::new(), BTreeMap::new(), Vec::new());
+        let mut gating = Gating { gate: self, config, engines, text, written: 0, steps, in_corpus, answers, wrong };
         checks.extend(gating.campaign(FIXED, gating.config.campaign.clone(), known.as_ref())?);
         if let Some(campaign) = rotating {
             print_note(&format!("the rotating seed is {}", campaign.seed));
@@ -207,15 +210,14 @@ impl Gate {
         let steps = &gating.steps;
         let failed = checks.iter().filter(|c| c.status == rockproof_gate::CheckStatus::Fail).count();
         let text = || {
-            let rows = checks.iter().filter(|c| c.group != "corpus" || c.status != rockproof_gate::CheckStatus::Pass);
-            let rows = rows.map(|c| vec![c.status.name().to_owned(), c.name.clone(), c.message.clone()]);
             let verdict = if failed == 0 { "passed" } else { "failed" };
-            let head = table(&["verdict", "check", "found"], &[], rows);
+            let head = table(&["verdict", "check", "found"], &[], gate_diagnosis::rows(checks));
             let steps = steps.iter().map(|(name, line)| prose(&format!("{name} campaign: {}\n", line.text)));
             let steps: String = steps.collect();
             let answers = gating.answers.iter().map(|(name, answers)| format!("; {name} {}", answers.words()));
             let answers: String = answers.collect();
-            format!("{head}\n\n{steps}gate {verdict}: {}{answers}\n", summary(checks))
+            let wrong: String = gating.wrong.iter().map(|line| prose(&format!("{line}\n"))).collect();
+            format!("{head}\n\n{steps}{wrong}gate {verdict}: {}{answers}\n", summary(checks))
         };
         self.format.print(text, || {
             let check = |c: &Check| json!({ "verdict": c.status.name(), "group": c.group, "check": c.name, "found": c.message });
@@ -223,7 +225,7 @@ impl Gate {
             let line = |(name, line): &(String, VerdictLine)| json!({ "campaign": name, "severity": line.severity, "text": line.text });
             let steps: Vec<Value> = steps.iter().map(line).collect();
             let skipped = checks.iter().filter(|c| c.status == rockproof_gate::CheckStatus::Skip).count();
-            json!({ "passed": failed == 0, "failed": failed, "skipped": skipped, "checks": all, "steps": steps })
+            json!({ "passed": failed == 0, "failed": failed, "skipped": skipped, "checks": all, "steps": steps, "diagnosis": gating.wrong })
         })?;
         if let Some(path) = &self.junit {
             // A file of this gate itself may be there by now.
@@ -327,6 +329,8 @@ impl Gating<'_> {
                 print_note(&format!("written: {}", baseline.file.display()));
             }
         }
+        let wrong = gate_diagnosis::lines(&campaign, &mut journal, &checks)?;
+        self.wrong.extend(wrong.into_iter().map(|line| format!("{name} campaign: {line}")));
         let share = begun.elapsed().as_secs_f64() / checks.len().max(1) as f64;
         for check in &mut checks {
             check.seconds = share;

@@ -1,7 +1,8 @@
 //! `merge`: the parts of a campaign put together.
 
-use crate::campaign::{check_deny, denied, diagnosed, pair_source, probed};
+use crate::campaign::{diagnosed, pair_source, probed};
 use crate::campaign_end::print_end;
+use crate::deny::{check_deny, denied, engine_names};
 use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::input::FormatArgs;
 use crate::progress::shown_while;
@@ -109,6 +110,7 @@ impl Merge {
         }
         let stress = config.stress.then(|| stress::finish(&mut journal, &engines)).transpose()?;
         print_end(&journal, &config.external, merged.ending, stress.as_ref(), &self.format)?;
-        Ok(denied(&self.deny, journal.progress()))
+        let compared: Vec<&str> = engine_names(config).collect();
+        Ok(denied(&self.deny, &compared, journal.progress()))
     }
 }

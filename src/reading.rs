@@ -101,7 +101,8 @@ pub(crate) fn weld_that_joins(model: &ModelFile) -> Option<&'static str> {
     WELDS.into_iter().filter(|_| is_short).find(|text| {
         let weld = Number::parse(text).ok();
         let read = model.survey_with(&LoadOptions { weld, ..model.options().clone() });
-        read.is_ok_and(|(_, problems)| !problems.iter().any(|problem| is_apart_in(model, problem)))
+        // A bent face is a problem of its own; any other says that what was joined makes no blocks.
+        read.is_ok_and(|(_, problems)| problems.iter().all(is_bent))
     })
 }
 

@@ -18,7 +18,7 @@ use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
-use rockproof_examine::{AuditedRun, IntrusionRecorder, violation_json, violations_text};
+use rockproof_examine::{AuditedRun, IntrusionRecorder, ignored_of_fixed, violation_json, violations_text};
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, Solver, step_in_words};
 use rockproof_model::{Precision, Scene, ToleranceSet, tolerance_rules};
@@ -140,8 +140,8 @@ pub(crate) struct Simulate {
     #[arg(long, conflicts_with_all = ["lockstep", "resume"])]
     free: bool,
 
-    /// Keep exact coordinates on a grid of 2^-N m [default: 2^-256 of the model's size, or the next finer]
-    #[arg(long, value_name = "N")]
+    /// Keep exact coordinates on a grid of 2^-N m, N from 64 to 16384 [default: 2^-256 of the model's size, or the next finer]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=16384))]
     grid_exponent: Option<u32>,
 
     /// Keep exact coordinates as the fractions they are; they grow with every step
@@ -216,6 +216,11 @@ struct PreparedRun {
 
 impl Simulate {
     pub(crate) fn run(&self) -> Outcome {
+        if (self.fractions || self.grid_exponent.is_some()) && self.engine != EngineChoice::Exact && !self.free {
+            anyhow::bail!(
+                "--fractions and --grid-exponent say how exact coordinates are kept: they need --engine exact or --free"
+            );
+        }
         let mut scene = self.read.scene(&self.scene)?;
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
         let shapes = scene.shapes();
@@ -256,6 +261,12 @@ impl Simulate {
         if !violated.is_empty() {
             let rules = counted(violated.len() as u64, "rule", "rules");
             print_note(&format!("running with {rules} violated: {}", violated.join("; ")));
+        }
+        if let Some(ignored) = ignored_of_fixed(&scene) {
+            print_note(&ignored);
+        }
+        if scene.fixed().into_iter().all(|is_fixed| is_fixed) {
+            print_note("every block is fixed, so nothing will move");
         }
         let mut about = Map::new();
         about.insert("file".to_owned(), self.scene.path().display().to_string().into());

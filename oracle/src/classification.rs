@@ -41,6 +41,11 @@ pub(crate) trait Observer {
     fn leaves_out(&self, _contact: &Contact) -> bool {
         false
     }
+
+    /// Whether of several entrances that with the smallest gap is chosen: never, but for a [`crate::RuleVariant`].
+    fn takes_smallest_gap(&self) -> bool {
+        false
+    }
 }
 
 /// Records nothing.
@@ -95,6 +100,10 @@ impl Observer for &mut dyn Observer {
 
     fn leaves_out(&self, contact: &Contact) -> bool {
         (**self).leaves_out(contact)
+    }
+
+    fn takes_smallest_gap(&self) -> bool {
+        (**self).takes_smallest_gap()
     }
 }
 

@@ -13,6 +13,8 @@ pub enum RuleVariant<'d> {
     Tie(Predicate, Sign),
     /// The predicate is given this answer whatever is asked of it.
     Always(Predicate, bool),
+    /// Of several entrances that with the smallest gap is chosen in place of that with the largest; of equal ones the first, without Eq. (1).
+    SmallestGap,
     /// Contacts for which this holds are not looked for; what remains goes through test 5.
     LeftOut(&'d dyn Fn(&Contact) -> bool),
 }
@@ -64,6 +66,10 @@ impl Observer for VariantObserver<'_> {
             RuleVariant::Tie(predicate, taken) if sign.is_zero() && predicate == decision.predicate => taken,
             _ => sign,
         }
+    }
+
+    fn takes_smallest_gap(&self) -> bool {
+        matches!(self.variant, RuleVariant::SmallestGap)
     }
 
     fn leaves_out(&self, contact: &Contact) -> bool {

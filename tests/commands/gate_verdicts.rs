@@ -290,3 +290,58 @@ fn what_is_no_answer_is_no_rounding() {
     let told = row.contains("FAIL") && row.contains(", less than half: unsupported ");
     assert!(ran.code == 1 && told, "{}{}", ran.out, ran.err);
 }
+
+/// Where nothing was compared nothing can be found: that passed any `--deny`.
+#[cfg(unix)]
+#[test]
+fn a_campaign_that_compared_nothing_is_denied() {
+    let place = crate::place::Place::new();
+    let words = |answer: &str| {
+        let words: Vec<String> =
+            always(answer).iter().map(|word| toml::Value::from(word.as_str()).to_string()).collect();
+        format!("pairs = 32\nengines = [\"mine\"]\n[[external]]\nname = \"mine\"\ncommand = [{}]\n", words.join(", "))
+    };
+    place.file("none.toml", &words(r#""unsupported":"not today""#));
+    for deny in ["defect", "crash", "extra,recovered", "any"] {
+        let (code, _, err) = place.run(&["campaign", "none.toml", "--deny", deny, "--out", "none", "--overwrite"]);
+        assert_eq!(code, 1, "{deny}: {err}");
+        assert!(err.contains("denied: mine answered none of ") && err.contains("so nothing was compared"), "{err}");
+    }
+    // The first questions alone have an answer, so that something is compared.
+    let [_, _, edit] = &always(r#""unsupported":"not today""#)[..] else { panic!("three words") };
+    let command = format!(
+        "[\"sed\", \"-u\", {}]",
+        toml::Value::from(format!("1,3s/^{{\"id\":\\([0-9]*\\),.*/{{\"id\":\\1,\"contacts\":[]}}/;t;{edit}"))
+    );
+    let few = words("")
+        .lines()
+        .filter(|line| !line.starts_with("command"))
+        .map(|line| format!("{line}\n"))
+        .collect::<String>();
+    place.file("few.toml", &format!("{few}command = {command}\n"));
+    let (code, _, err) = place.run(&["campaign", "few.toml", "--deny", "defect", "--threads", "1", "--out", "few"]);
+    assert!(code == 1 && err.contains(", less than half, so next to nothing was compared"), "{err}");
+    let (code, _, err) = place.run(&["campaign", "none.toml", "--out", "none", "--overwrite"]);
+    assert!(code == 0 && !err.contains("denied"), "without --deny nothing is: {err}");
+    place.file("some.toml", &words(r#""contacts":[]"#));
+    let (code, _, err) = place.run(&["campaign", "some.toml", "--deny", "crash", "--out", "some"]);
+    assert!(code == 0 && !err.contains("denied"), "{err}");
+}
+
+/// A mistake shows as very many sorts of finding that the baseline does not know: what it is is told.
+#[test]
+fn a_gate_that_fails_says_what_is_wrong_with_an_engine() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let baseline = "[baseline]\nfile = \"known.toml\"\ncauses = [\"engine\"]\n";
+    let ran = gate(dir, &around(&[&client(), ""], baseline), &["--update-baseline"], false);
+    assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+    let ran = gate(dir, &around(&[&client(), ""], baseline), &[], false);
+    assert!(ran.code == 0 && !ran.out.contains("fixed campaign: mine"), "{}{}", ran.out, ran.err);
+    let ran = gate(dir, &around(&[&client(), "sign"], baseline), &[], false);
+    let told = "differing answers are exact with the sign of every gap turned";
+    let unfolded = ran.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(ran.code == 1 && unfolded.contains("fixed campaign: mine: ") && unfolded.contains(told), "{}", ran.out);
+    let new = ran.out.lines().filter(|line| line.contains("new: ")).count();
+    assert!(new <= 20, "{new} rows");
+}

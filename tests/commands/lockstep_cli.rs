@@ -154,4 +154,14 @@ fn an_exact_run_says_what_it_keeps() {
         place.simulate("exact", &["--engine", "exact", "--steps", "2", "--overwrite", "--grid-exponent", "100"]);
     assert!(code == 0 && said.contains("within 2^-100 m"), "{said}");
     assert_eq!(place.simulate("other", &["--engine", "exact", "--lockstep"]).0, 2);
+    // A grid of metres moves every vertex, one of 2^-4000000000 m holds no number.
+    for exponent in ["0", "63", "16385", "4000000000"] {
+        let (code, said) = place.simulate("grid", &["--engine", "exact", "--steps", "1", "--grid-exponent", exponent]);
+        assert!(code == 2 && said.contains("is not in 64..=16384"), "{said}");
+    }
+    // Of a run without exact steps they would say nothing.
+    for options in [&["--fractions"][..], &["--grid-exponent", "100"], &["--lockstep", "--fractions"]] {
+        let (code, said) = place.simulate("stepper", &[&["--steps", "1"], options].concat());
+        assert!(code == 2 && said.contains("they need --engine exact or --free"), "{options:?}: {said}");
+    }
 }

@@ -50,7 +50,7 @@ pub enum SourceError {
     },
     /// A chunk that is too large.
     #[error(
-        "chunk is {0}; allowed are at most {LARGEST_CHUNK} pairs: what is found in a chunk waits in memory until the chunk ends"
+        "chunk is {0}; allowed are 1 to {LARGEST_CHUNK} pairs: what is found in a chunk waits in memory until the chunk ends"
     )]
     Chunk(u64),
     /// A file of tolerances that names no set.
@@ -137,7 +137,7 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         allowed: families::all().iter().map(|f| f.name()).chain([PASSAGE]).collect::<Vec<_>>().join(", "),
     })?;
     check_reading(config)?;
-    if config.chunk > LARGEST_CHUNK {
+    if config.chunk == 0 || config.chunk > LARGEST_CHUNK {
         return Err(SourceError::Chunk(config.chunk));
     }
     if !config.real.is_empty() {

@@ -196,6 +196,15 @@ pub struct ConfusionRow {
 }
 
 impl Agreement {
+    /// The pairs that an engine was asked about and those that it answered; a pair counts once for each tolerance set.
+    pub fn asked_and_answered(&self, engine: &str) -> [u64; 2] {
+        let of_engine = |((_, key), counts): (&(String, ComparisonKey), &AgreementCounts)| {
+            (key.span == ChainSpan::Arithmetic && key.engine == engine)
+                .then_some([counts.pairs, counts.pairs.saturating_sub(counts.silent)])
+        };
+        self.counts.iter().filter_map(of_engine).fold([0, 0], |[asked, answered], [a, b]| [asked + a, answered + b])
+    }
+
     /// Adds the counts of `other`.
     pub fn add(&mut self, other: Agreement) {
         for (key, counts) in other.counts {

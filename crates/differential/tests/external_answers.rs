@@ -102,6 +102,10 @@ fn what_is_wrong_with_an_answer_is_said() {
         (contact("1.0"), "feature_a is 1.0; allowed are 0 to 7, written without a point or an exponent"),
         (contact("8"), "feature_a is 8; allowed are 0 to 7, the block's vertices"),
         (state.to_owned(), "expected one of contacts, state, unsupported; given are contacts and state"),
+        (
+            "\\\"state\\\":\\\"apart\\\",\\\"gap_m\\\":-nan".to_owned(),
+            "\\\"gap_m\\\":-nan}…; JSON has no NaN and no infinity: where a gap is none, leave its key out",
+        ),
         ("\\\"contact\\\":[]".to_owned(), "expected one of contacts, state, unsupported; none is there"),
     ] {
         let said = ask(&engine(&format!("read line; echo \"{{\\\"id\\\":0,{answer}}}\"; read line"), false));

@@ -9,6 +9,7 @@ use crate::pairs::{self, ExaminedPair, PRECISIONS};
 use crate::progress::{Stage, WorkProgress};
 use crate::recommend::{Recommendation, better};
 use crate::steps::{self, Steps};
+use crate::stored_energy::{self, StoredEnergy};
 use rockproof_differential::subject::NamedSet;
 use rockproof_model::tolerance_rules::{self, Thin, Violation, Warning};
 use rockproof_model::{Precision, ToleranceSet, ToleranceSpec};
@@ -48,8 +49,12 @@ pub struct Assessment {
     pub thin: Option<Thin>,
     /// What violates no rule and yet lets blocks pass through one another.
     pub warnings: Vec<Warning>,
+    /// The pairs whose springs store more at the start than weights and loads explain, the one furthest beyond it first.
+    pub stored: Vec<StoredEnergy>,
     /// The blocks that overlap.
     pub overlaps: Overlaps,
+    /// Whether a block of a neighbouring pair can move: between fixed blocks nothing can go wrong.
+    pub has_moving_pair: bool,
     /// All neighbouring pairs, in ascending order.
     pub pairs: Vec<ExaminedPair>,
     /// The steps.
@@ -86,12 +91,12 @@ impl Assessment {
 
     /// Whether nothing in the tolerances keeps what is wrong from being seen in a few steps, or at all.
     pub(crate) fn may_see_all(&self) -> bool {
-        self.thin.is_none() && self.warnings.is_empty()
+        self.thin.is_none() && self.warnings.is_empty() && self.stored.is_empty()
     }
 
     /// Whether there were contacts to be wrong: blocks near one another at the start, or in the steps.
     pub(crate) fn tries_contacts(&self) -> bool {
-        !self.pairs.is_empty() || self.steps.made().is_some_and(|made| made.touched)
+        self.has_moving_pair || self.steps.made().is_some_and(|made| made.touched)
     }
 
     /// What is wrong, each zero where nothing is: rules violated, overlaps not held, pairs broken, pairs that pass through one another, steps that cannot be made.
@@ -176,7 +181,9 @@ impl Work<'_> {
                 }
             }
         };
-        Ok(Some(Assessment { set, violations, thin, warnings, overlaps, pairs, steps }))
+        let has_moving_pair = any_moves(&pairs, &fixed);
+        let stored = unexplained(model, &set, &overlaps, &steps);
+        Ok(Some(Assessment { set, violations, thin, warnings, stored, overlaps, has_moving_pair, pairs, steps }))
     }
 
     fn why_no_steps(&self, model: &CheckedModel, overlaps: &Overlaps) -> Option<String> {
@@ -240,6 +247,25 @@ impl Work<'_> {
             format!("not looked for: the deepest overlap, {deepest} m, is longer than the shortest edge, {shortest} m, and no set is meant to hold that")
         })
     }
+}
+
+/// Whether a block of some pair can move.
+fn any_moves(pairs: &[ExaminedPair], fixed: &[bool]) -> bool {
+    pairs.iter().any(|pair| pair.blocks.iter().any(|&block| !fixed[block]))
+}
+
+/// The pairs whose springs store more when time begins than weights and loads explain: as the blocks stand, or after settling. Nothing is known of it where
+/// blocks settle and no step is made.
+fn unexplained(model: &CheckedModel, set: &ToleranceSet, overlaps: &Overlaps, steps: &Steps) -> Vec<StoredEnergy> {
+    let mut scene = model.scene.clone();
+    scene.derive_stiffness(set);
+    let energies = match (scene.simulation.control.settle, steps.made()) {
+        (0, _) => stored_energy::at_start(&scene, set, overlaps),
+        (_, made) => made.map(|made| made.settled_j.clone()).unwrap_or_default(),
+    };
+    // A larger `penetration` than the one given allows deeper overlaps, and explains no more.
+    let penetration = (&set.penetration).min(&model.set.penetration);
+    stored_energy::unexplained(&scene, &ToleranceSet { penetration: penetration.clone(), ..set.clone() }, &energies)
 }
 
 /// What a set is called: by the preset it is, with a mark where it was changed, or by its file.

@@ -1,8 +1,9 @@
 //! A model that could be read, with what the rules say of its tolerances.
 
 use crate::extents::Extents;
+use rockproof_model::simulation::Body;
 use rockproof_model::tolerance_rules::{self, BEYOND_F64, Fall, Thin, Warning};
-use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Violation};
+use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Vec3, Violation};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -103,7 +104,7 @@ impl CheckedModel {
             },
         );
         let warnings = tolerance_rules::warnings(&set, &scene);
-        let notes = extents.unit_warning().into_iter().collect();
+        let notes = extents.unit_warning().into_iter().chain(ignored_of_fixed(&scene)).collect();
         Ok(CheckedModel {
             file,
             scene,
@@ -176,6 +177,24 @@ impl CheckedModel {
             volume: Number::from_rational(blocks.iter().map(|b| b.block.volume()).sum()).approximate(),
         }
     }
+}
+
+/// What a scene says of blocks that are fixed and that means nothing for them; `None` where it says nothing.
+pub fn ignored_of_fixed(scene: &Scene) -> Option<String> {
+    const MAX_NAMED: usize = 3;
+    let is_zero = |vector: &Vec3<Number>| vector.components().into_iter().all(|part| part.cmp(&Number::ZERO).is_eq());
+    let is_loaded = |number: usize| scene.simulation.loads.iter().any(|load| load.block == number);
+    let of_block = |(number, block): (usize, &SceneBlock)| {
+        let Body { velocity, spin, .. } = &block.body;
+        let given = [("velocity", !is_zero(velocity)), ("spin", !is_zero(spin)), ("load", is_loaded(number))];
+        let given: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
+        (block.body.is_fixed() && !given.is_empty()).then(|| format!("{} of block {number}", given.join(", ")))
+    };
+    let all: Vec<String> = scene.blocks.iter().enumerate().filter_map(of_block).collect();
+    let more = all.len().saturating_sub(MAX_NAMED);
+    let more = if more > 0 { format!(" and of {more} more") } else { String::new() };
+    let named = all.iter().take(MAX_NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
+    (!all.is_empty()).then(|| format!("ignored, since fixed blocks never move: {named}{more}"))
 }
 
 /// What the blocks of a model come to.

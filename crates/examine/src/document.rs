@@ -6,6 +6,7 @@ use crate::pairs::{ExaminedPair, PRECISIONS};
 use crate::recommend::Recommendation;
 use crate::results::PairFacts;
 use crate::steps::Steps;
+use crate::stored_energy::StoredEnergy;
 use crate::verdict::{Verdict, best_of};
 use rockproof_model::Precision;
 use serde_json::{Value, json};
@@ -67,6 +68,7 @@ fn assessment(of: &Assessment, precision: Precision) -> Value {
         "rules_violated": of.violations.iter().map(violation_json).collect::<Vec<_>>(),
         "warnings": of.warnings.iter().map(warning_json).collect::<Vec<_>>(),
         "overlaps": of.overlaps.json(),
+        "unexplained_energy": of.stored.iter().map(StoredEnergy::json).collect::<Vec<_>>(),
         "pairs_examined": of.pairs.len(),
         "f32": f32,
         "f64": f64,

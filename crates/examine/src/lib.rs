@@ -19,13 +19,16 @@ mod recommend;
 mod results;
 mod step_audit;
 mod steps;
+mod stored_energy;
 mod verdict;
 mod view;
+mod warning_lines;
 
 pub use assess::{Assessment, Examination, Settings, examine};
 pub use cases::{KeptCase, worst_cases};
 pub use checked::{
-    BlockCounts, CheckError, CheckedModel, in_seven_digits, tolerances_json, violation_json, violations_text,
+    BlockCounts, CheckError, CheckedModel, ignored_of_fixed, in_seven_digits, tolerances_json, violation_json,
+    violations_text,
 };
 pub use document::document;
 pub use error::ExamineError;
@@ -39,4 +42,5 @@ pub use recommend::{PreferredSet, Recommendation};
 pub use results::{FILES, WrittenFiles, findings_table, pair_table, tolerance_table, write};
 pub use step_audit::AuditedRun;
 pub use steps::{AuditedSteps, Steps};
+pub use stored_energy::{StoredEnergy, unexplained_energy};
 pub use verdict::{Line, Verdict, mark};

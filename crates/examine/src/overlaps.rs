@@ -107,6 +107,28 @@ impl Overlaps {
         &self.neighbours
     }
 
+    /// The blocks in no neighbouring pair, of a scene of so many, in ascending order; none where it is only one.
+    pub fn lonely(&self, blocks: usize) -> Vec<usize> {
+        let mut is_near = vec![blocks == 1; blocks];
+        self.neighbours.iter().flatten().for_each(|&block| is_near[block] = true);
+        (0..blocks).filter(|&block| !is_near[block]).collect()
+    }
+
+    /// The blocks that touch nothing, the first of them with their names; `None` where every block is near another.
+    pub fn lonely_sentence(&self, scene: &Scene) -> Option<String> {
+        let lonely = self.lonely(scene.blocks.len());
+        let named = lonely.iter().take(MAX_NAMED).map(|&block| match scene.own_name(block) {
+            Some(name) => format!("{block} ({})", excerpt(name, EXCERPT_LENGTH)),
+            None => block.to_string(),
+        });
+        let named = named.collect::<Vec<_>>().join(", ");
+        let (count, more) = (lonely.len(), if lonely.len() > MAX_NAMED { ", …" } else { "" });
+        (count > 0).then(|| {
+            let (blocks, touch) = (noun(count, "block", "blocks"), noun(count, "touches", "touch"));
+            format!("{count} {blocks} {touch} nothing, being apart from all others by more than search: {named}{more}")
+        })
+    }
+
     /// The pairs that overlap and were measured, in ascending order, each with what that means.
     pub fn all(&self) -> impl Iterator<Item = (&Overlap, OverlapSeverity)> {
         self.audit.overlaps.iter().zip(self.severities.iter().copied())
@@ -252,7 +274,7 @@ impl Overlaps {
 }
 
 /// Two blocks by number, and by name where one has a name of its own.
-fn pair_in_words(pair: [usize; 2], scene: &Scene) -> String {
+pub(crate) fn pair_in_words(pair: [usize; 2], scene: &Scene) -> String {
     let [a, b] = pair;
     if pair.iter().all(|&number| scene.own_name(number).is_none()) {
         return format!("{a}–{b}");

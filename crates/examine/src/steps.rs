@@ -3,6 +3,7 @@
 use crate::error::ExamineError;
 use crate::progress::WorkProgress;
 use crate::step_audit::AuditedRun;
+use crate::stored_energy::{PairEnergies, after_settling};
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_simulate::{AuditScope, AuditTotals, PairDepth, Stepping};
 use rockproof_stepper::contact::SpecRules;
@@ -35,6 +36,8 @@ pub struct AuditedSteps {
     pub unconverged: u64,
     /// Whether contacts were closed in any step, or while blocks settled.
     pub touched: bool,
+    /// What the springs of each pair stored where settling ended (J); empty where nothing settles.
+    pub settled_j: BTreeMap<[usize; 2], f64>,
     /// What the audit found.
     pub totals: AuditTotals,
     /// Pairs that passed through one another within a step, with the greatest depth shown (m).
@@ -98,6 +101,7 @@ fn make_in<R: Solve>(
         stopped: None,
         unconverged: 0,
         touched: false,
+        settled_j: PairEnergies::new(),
         totals: AuditTotals::default(),
         passages: BTreeMap::new(),
         unseen: BTreeMap::new(),
@@ -126,7 +130,11 @@ fn make_in<R: Solve>(
                     deepen(&mut found.unseen, &audit.unseen);
                 }
                 found.unconverged += u64::from(report.step > 0 && !report.converged);
-                found.made = run.state().step;
+                let state = run.state();
+                found.made = state.step;
+                if report.step <= 0 && state.settling == 0 {
+                    found.settled_j = after_settling(scene, &state.contacts);
+                }
                 seen.advance();
             }
         }

@@ -7,9 +7,10 @@ use crate::naming::{Naming, file_name, quoted_path};
 use crate::pairs::ExaminedPair;
 use crate::recommend::Recommendation;
 use crate::steps::Steps;
+use crate::warning_lines::warning_lines;
 use rockproof_differential::external::spec::quoted;
 use rockproof_model::text::noun;
-use rockproof_model::tolerance_rules::{MeasuredModel, Warning, stiffness_slack};
+use rockproof_model::tolerance_rules::{MeasuredModel, stiffness_slack};
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_report::table::grouped;
 use rockproof_report::verdict::Severity;
@@ -46,7 +47,7 @@ pub struct Verdict {
     pub next: Option<String>,
 }
 
-fn line(about: &'static str, severity: Severity, text: String) -> Line {
+pub(crate) fn line(about: &'static str, severity: Severity, text: String) -> Line {
     Line { about, severity, text }
 }
 
@@ -57,7 +58,7 @@ impl Verdict {
         let doubt = found.model.extents.unit_warning().filter(|_| !naming.units_are_meant);
         let is_safe = doubt.is_none() && found.given.is_safe(precision);
         let with_other = doubt.is_none() && found.recommended().is_some_and(|other| other.is_safe(precision));
-        let reasons = reasons(&found.given, found.model.scene.blocks.len(), precision, doubt.is_some());
+        let reasons = reasons(&found.given, &found.model.scene, precision, doubt.is_some());
         let (answer, sentence) = match (is_safe, with_other) {
             (true, _) => {
                 let pairs = plural(found.given.pairs.len(), "neighbouring pair", "neighbouring pairs");
@@ -86,9 +87,7 @@ impl Verdict {
             tolerances(&found.given),
             steps(&found.given),
         ];
-        lines.extend(fall(found));
-        lines.extend(thin(found));
-        lines.extend(found.given.warnings.iter().map(warning));
+        lines.extend(warning_lines(found));
         lines.push(recommended(found, precision, naming));
         let next = naming.dir.as_ref().map(|dir| next(found, cases, (naming, dir), (doubt.is_some(), answer)));
         Verdict { is_safe, answer, sentence, lines, next }
@@ -122,8 +121,12 @@ fn untried(given: &Assessment) -> &'static str {
 }
 
 /// Why there was no contact to be wrong.
-fn apart(given: &Assessment, blocks: usize) -> String {
-    match blocks {
+fn untouched(given: &Assessment, scene: &Scene) -> String {
+    match scene.blocks.len() {
+        _ if scene.fixed().into_iter().all(|is_fixed| is_fixed) => "every block is fixed, so nothing moves".to_owned(),
+        _ if !given.pairs.is_empty() => {
+            "of neighbouring blocks both are fixed, and no block that moves touches another".to_owned()
+        }
         1 => "one block alone touches nothing".to_owned(),
         _ => {
             format!("no two blocks are near enough to touch (search is {} m)", short(given.set.search.approximate()))
@@ -144,7 +147,7 @@ fn other_than(precision: Precision) -> Precision {
 }
 
 /// What is wrong, or else what was not there to be, in a few words.
-fn reasons(given: &Assessment, blocks: usize, precision: Precision, units: bool) -> String {
+fn reasons(given: &Assessment, scene: &Scene, precision: Precision, units: bool) -> String {
     let mut said: Vec<String> = Vec::new();
     if units {
         said.push("the units are in doubt".to_owned());
@@ -175,8 +178,9 @@ fn reasons(given: &Assessment, blocks: usize, precision: Precision, units: bool)
         ));
     }
     said.extend(given.warnings.iter().map(|warning| warning.kind.title().to_owned()));
+    said.extend(given.stored.first().map(|worst| worst.sentence(scene)));
     if said.is_empty() && !given.tries_contacts() {
-        said.push(apart(given, blocks));
+        said.push(untouched(given, scene));
     }
     said.join("; ")
 }
@@ -187,11 +191,11 @@ fn model(found: &Examination, doubt: Option<&str>) -> Line {
     let (shortest, _) = extents.shortest();
     let blocks = plural(found.model.scene.blocks.len(), "block", "blocks");
     let text = format!("{blocks} in {x} × {y} × {z} m, shortest edge {} m", short(shortest));
+    let lonely = found.given.overlaps.lonely_sentence(&found.model.scene);
+    let remarks: Vec<&str> = found.model.merging.iter().chain(&lonely).map(String::as_str).collect();
     match doubt {
-        None => match &found.model.merging {
-            None => line("model", Severity::Good, text),
-            Some(merging) => line("model", Severity::Fair, format!("{text}: {merging}")),
-        },
+        None if remarks.is_empty() => line("model", Severity::Good, text),
+        None => line("model", Severity::Fair, format!("{text}: {}", remarks.join("; "))),
         Some(doubt) => line("model", Severity::Bad, format!("{text}: {doubt}; `--scale 1` says that metres are meant")),
     }
 }
@@ -288,33 +292,6 @@ fn steps(given: &Assessment) -> Line {
     let (held, totals) = (made.held.sentence(), made.totals.sentence());
     let text = format!("{} made{ended}{unconverged}, {held}: {totals}", made.made);
     line("steps", severity, text)
-}
-
-fn fall(found: &Examination) -> Option<Line> {
-    let fall = found.model.fall.as_ref()?;
-    let [depth, allowed, height] = [fall.depth, fall.allowed, fall.height].map(short);
-    let text = format!(
-        "block {}, falling {height} m, would end {depth} m deep, and penetration is {allowed} m: use {}",
-        fall.block, fall.remedy
-    );
-    Some(line("fall", Severity::Fair, text))
-}
-
-fn thin(found: &Examination) -> Option<Line> {
-    let thin = found.given.thin.as_ref()?;
-    let [penetration, thickness] = [thin.penetration, thin.thickness].map(short);
-    let text = format!(
-        "block {} is {thickness} m thick and penetration is {penetration} m: no overlap within it is too deep, so \"held\" says nothing of it: {}",
-        thin.block, thin.remedy
-    );
-    Some(line("thickness", Severity::Fair, text))
-}
-
-fn warning(warning: &Warning) -> Line {
-    let by = warning.block.map_or(String::new(), |block| format!(" (block {block})"));
-    let ([found, allowed], kind) = ([warning.found, warning.allowed].map(short), warning.kind);
-    let text = format!("{}: found {found}, allowed {allowed}{by}: use {}", kind.title(), warning.remedy);
-    line(kind.name(), Severity::Fair, text)
 }
 
 fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Line {

@@ -13,6 +13,7 @@ mod warning;
 
 use extremes::Extremes;
 pub use fall::{Fall, fall};
+pub use load::weights_borne;
 pub use remedy::BEYOND_F64;
 use remedy::{RequiredValue, six_digits};
 pub use stiffness::{check_scene, stiffness_slack};

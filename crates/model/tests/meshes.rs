@@ -483,27 +483,40 @@ fn broken_ply_says_where() {
     };
     let binary = binary_ply(false);
     for (bytes, parts) in [
-        (Vec::new(), &["what is no PLY (Unexpected end of file"][..]),
-        (with("ply\n", "pty\n"), &["mesh:1:", "what is no PLY"]),
-        (with("format ascii", "format utf8"), &["mesh:2:", "what is no PLY"]),
-        (with("property double z", "property double w"), &["a number \"z\" among the properties of \"vertex\""]),
+        (Vec::new(), &["the file ends where a line of a PLY header"][..]),
+        (with("ply\n", "pty\n"), &["mesh:1: found \"pty\" where a line of a PLY header"]),
+        (with("format ascii", "format utf8"), &["mesh:2: found \"format utf8 1.0\" where a line of a PLY header"]),
+        (with("ascii 1.0", "ascii 2.0"), &["mesh:2: the version of the format is 2.0; allowed is 1.0"]),
+        (
+            with("property double z", "property double w"),
+            &["mesh:4:", "element \"vertex\" without a number \"z\" among its properties cannot be read"],
+        ),
         (
             with("uchar int vertex_indices", "uchar float vertex_indices"),
             &["a list of whole numbers \"vertex_indices\""],
         ),
         (with("element vertex 8", "element vertex 4000000000"), &["is 4000000000; allowed is at most"]),
         (with("element vertex 8", "element nothing 5\nelement vertex 8"), &["is 5; allowed is 0"]),
-        (with("1 0 0 255", "1 0 x 255"), &["mesh:16:", "what is no PLY"]),
+        (
+            with("1 0 0 255", "1 0 x 255"),
+            &["mesh:16: found \"1 0 x 255\" where a \"vertex\" with the properties that the header announces"],
+        ),
         (with("1 0 0 255", "1 0 1e999 255"), &["mesh:16:", "coordinate z of vertex 1"]),
         (with("4 0 3 2 1", "4 0 3 2 8"), &["mesh:23:", "a vertex number of face 0 is 8; allowed is 0 to 7"]),
         (with("4 0 3 2 1", "4 0 3 2 -1"), &["mesh:23:", "is -1; allowed is 0 to 7"]),
         (with("4 0 3 2 1", "2 0 3"), &["mesh:23:", "face 0 of 2 vertices"]),
-        (with("vertex 8", "vertex 9"), &["what is no PLY"]),
+        (with("vertex 8", "vertex 9"), &["mesh: the file ends where the last of 1 elements \"edge\" should stand"]),
+        (with("edge 1", "edge 0"), &["mesh:29: found \"0 1\" where the end of the file"]),
+        (with("edge 1", "edge 2"), &["mesh: the file ends where the last of 2 elements \"edge\" should stand"]),
+        ([&binary[..], b"\0"].concat(), &["mesh: found 1 more bytes where the end of the file"]),
         (
             text.replace("vertex 8", "vertex 9").replace("0 1 1 255\n", "0 1 1 255\n5 5 5 255\n").into_bytes(),
             &["mesh:23:", "vertex 8 of the file is in no face"],
         ),
-        (binary[..binary.len() - 3].to_vec(), &["mesh: found what is no PLY"]),
+        (
+            binary[..binary.len() - 3].to_vec(),
+            &["mesh: the file ends where the last of 6 elements \"face\" should stand"],
+        ),
     ] {
         let error = read(&bytes, SceneFormat::Ply).unwrap_err();
         assert!(parts.iter().all(|part| error.contains(part)), "{parts:?}: {error}");
@@ -523,6 +536,38 @@ fn surfaces_of_gmsh_are_blocks_by_physical_group() {
     assert_eq!(volumes(&scene), [1.0, 1.0]);
     assert_eq!(scene.blocks.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["left block", "right"]);
     assert!(scene.shapes().iter().all(|block| block.topology().faces().len() == 6));
+}
+
+/// A surface that bounds no cells is a body of its own, and was left out without a word.
+#[test]
+fn a_closed_surface_beside_cells_is_a_block() {
+    let nodes = |from: usize, z: usize| -> String {
+        let at = |k: usize| format!("{} {} {} {}\n", from + k, k & 1, k >> 1 & 1, (k >> 2) + z);
+        (0..8).map(at).collect()
+    };
+    let surface = |from: usize, element: usize| -> String {
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let face = |(k, face): (usize, [usize; 4])| {
+            let [a, b, c, d] = face.map(|corner| from + corner);
+            format!("{} 3 2 1 1 {a} {b} {c} {d}\n", element + k)
+        };
+        faces.into_iter().enumerate().map(face).collect()
+    };
+    let mesh = |elements: usize, rest: &str| {
+        let head =
+            format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n16\n{}{}$EndNodes\n", nodes(1, 0), nodes(9, 1));
+        format!("{head}$Elements\n{elements}\n1 5 2 2 2 1 2 4 3 5 6 8 7\n{rest}$EndElements\n")
+    };
+    // Of the cell's own boundary no block is made.
+    let of_cell = read(mesh(7, &surface(1, 2)).as_bytes(), SceneFormat::Msh).unwrap();
+    assert_eq!(volumes(&of_cell), [1.0]);
+    for rest in [surface(9, 2), surface(1, 2) + &surface(9, 8)] {
+        let both = read(mesh(1 + rest.lines().count(), &rest).as_bytes(), SceneFormat::Msh).unwrap();
+        assert_eq!(volumes(&both), [1.0, 1.0]);
+    }
+    let open = surface(9, 2).lines().skip(1).map(|line| format!("{line}\n")).collect::<String>();
+    let error = read(mesh(6, &open).as_bytes(), SceneFormat::Msh).unwrap_err();
+    assert!(error.contains("the surface is open"), "{error}");
 }
 
 /// A mesh in ASCII as Gmsh writes it in binary; `width` is that of a count of version 4.

@@ -54,6 +54,30 @@ fn files_of_generators_load() {
     assert!((volume(&cells) - 64.0).abs() < 1e-4);
 }
 
+/// Every scalar but that one is skipped, so blocks meant to be fixed fell.
+#[test]
+fn a_misspelt_fixed_flag_is_refused() {
+    let text = std::fs::read_to_string(real("smallEdge.dda")).unwrap();
+    let read = |text: &str| Scene::parse(text, SceneFormat::Dda, Path::new("small.dda"));
+    for name in ["fixdFlag", "FixedFlag", "fixed", "flag"] {
+        let error = read(&text.replace("fixedFlag", name)).unwrap_err().to_string();
+        assert!(error.contains(&format!("a scalar is {name}; allowed is fixedFlag, in these letters")), "{error}");
+    }
+    assert!(read(&text.replace("aspectRatio", "shape")).is_ok());
+}
+
+/// As early Macintosh ends lines; the file was "without a block".
+#[test]
+fn lines_that_end_in_a_carriage_return_alone_are_lines() {
+    let text = std::fs::read_to_string(fixture("two_cubes.obj")).unwrap();
+    let read = |text: &str| Scene::parse(text, SceneFormat::Obj, Path::new("two.obj"));
+    let [plain, returns] = [text.clone(), text.replace('\n', "\r")].map(|text| read(&text).unwrap());
+    let kept = |scene: &Scene| -> Vec<_> {
+        scene.blocks.iter().map(|b| (b.name.clone(), b.block.clone(), b.origin.line)).collect()
+    };
+    assert_eq!(kept(&returns), kept(&plain));
+}
+
 #[test]
 fn voronoi_cells_need_the_planarity_they_have() {
     let error = Scene::load(real("voronoi_120.txt")).unwrap_err().to_string();

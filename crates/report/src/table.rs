@@ -134,6 +134,8 @@ pub struct Table {
     pub columns: Vec<&'static str>,
     /// The rows, each as long as `columns`.
     pub rows: Vec<Vec<TableCell>>,
+    /// Whether readers are told the run of each row though it is the same for all: others have no row here.
+    pub keeps_run: bool,
 }
 
 /// A table as the page's template takes it.
@@ -155,7 +157,7 @@ struct ColumnHead {
 impl Table {
     /// An empty table.
     pub fn new(name: &'static str, caption: impl Into<String>, columns: &[&'static str]) -> Table {
-        Table { name, caption: caption.into(), columns: columns.to_vec(), rows: Vec::new() }
+        Table { name, caption: caption.into(), columns: columns.to_vec(), rows: Vec::new(), keeps_run: false }
     }
 
     /// Adds a row.
@@ -167,9 +169,15 @@ impl Table {
         !self.rows.is_empty() && self.rows.iter().all(|row| row.get(column).is_some_and(TableCell::is_number))
     }
 
+    /// The runs that its rows are of, where its first column names them.
+    pub(crate) fn runs(&self) -> impl Iterator<Item = &TableCell> {
+        let names_runs = self.columns.first() == Some(&"run");
+        self.rows.iter().filter(move |_| names_runs).filter_map(|row| row.first())
+    }
+
     /// The columns a reader needs: without the run where there is only one.
     pub(crate) fn needed(&self) -> std::ops::Range<usize> {
-        let one = self.columns.first() == Some(&"run") && self.name != "runs";
+        let one = self.columns.first() == Some(&"run") && self.name != "runs" && !self.keeps_run;
         let same = self.rows.iter().all(|row| row.first() == self.rows[0].first());
         usize::from(one && same)..self.columns.len()
     }

@@ -165,6 +165,7 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
             let Some(share) = agreeing_share(&counts) else { continue };
             // As of one that crashes at every pair, or where rounding makes every block degenerate.
             let silent = if counts.silent == counts.pairs { ", without an answer to any pair" } else { "" };
+            let supported = of_supported(campaign, &engine, &counts);
             if share.value < 1.0 && severity == Severity::Good {
                 severity = Severity::Fair;
             }
@@ -175,7 +176,7 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
             let again = again.map_or(String::new(), |told| format!(", but {told}"));
             let name = if campaigns.len() > 1 { format!("{engine} ({})", campaign.name) } else { engine };
             let [value, low, high] = [share.value, share.low, share.high].map(percent);
-            words.push(format!("{name} {value} ({low} to {high}){silent}{again}"));
+            words.push(format!("{name} {value} ({low} to {high}){silent}{supported}{again}"));
         }
     }
     words.truncate(4);
@@ -186,6 +187,18 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
         return line(Severity::Fair, "No answer of any engine could be compared.".to_owned());
     }
     line(severity, format!("Exactly right on hard pairs: {}.", words.join("; ")))
+}
+
+/// How often an engine is right of the pairs that it supports, where it says of some that it does not: these count as not right in the share of all.
+fn of_supported(campaign: &CampaignRun, engine: &str, counts: &AgreementCounts) -> String {
+    let unsupported = campaign.tally.own.get(engine).map_or(0, |own| own.unsupported);
+    match counts.pairs.checked_sub(unsupported) {
+        Some(supported) if unsupported > 0 && supported > 0 => {
+            let share = percent(counts.agreeing as f64 / supported as f64);
+            format!(", {share} of the {} that it supports", counted(supported, "pair", "pairs"))
+        }
+        _ => String::new(),
+    }
 }
 
 /// So many pairs without a mistake must there be before that is called well: a mistake that shows in one pair of a hundred shows in one of these with

@@ -139,6 +139,9 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 
     fn largest_or_equal(&mut self, of: [Feature; 2], candidates: &[Candidate]) -> Option<Candidate> {
+        if O::is_active() && self.observer.takes_smallest_gap() {
+            return self.smallest_gap(candidates);
+        }
         let best = self.largest_gap(candidates)?;
         let mut chosen = None;
         for (k, candidate) in candidates.iter().enumerate() {
@@ -170,6 +173,17 @@ impl<O: Observer> Classification<'_, '_, O> {
             }
         }
         (!candidates.is_empty()).then_some(best)
+    }
+
+    /// The candidate with the smallest gap; of exactly equal ones the first.
+    fn smallest_gap(&mut self, candidates: &[Candidate]) -> Option<Candidate> {
+        let mut best = *candidates.first()?;
+        for candidate in &candidates[1..] {
+            if self.compare_gaps(candidate, &best, Factor::One).is_negative() {
+                best = *candidate;
+            }
+        }
+        Some(best)
     }
 
     /// Eq. (1): `h_k ≥ h_best − ε·|h_best|`; **a tie says yes**.

@@ -3,8 +3,8 @@
 use crate::support::hand_worked;
 use crate::support::shapes::{classic, slab, spike};
 use rockproof_model::decision::Predicate;
-use rockproof_model::{Contact, Sign};
-use rockproof_oracle::{Pair, PreparedBlock, RuleVariant};
+use rockproof_model::{Contact, ContactKind, Sign};
+use rockproof_oracle::{Gap, Pair, PreparedBlock, RuleVariant};
 
 /// How many answers change under a variant, and how many do where it does not come up.
 struct Changed {
@@ -98,4 +98,26 @@ fn what_is_always_near_must_be_within_reach() {
     let near = pair.classify_with_variant(&tolerances, RuleVariant::Always(Predicate::VertexFaceNear, true));
     assert_eq!(near, pair.classify(&tolerances).contacts);
     assert_eq!(near.len(), 1);
+}
+
+#[test]
+fn the_smallest_gap_is_chosen_where_there_are_several_planes() {
+    let height = |gap: Gap| if gap.sign.is_negative() { -gap.squared } else { gap.squared };
+    let mut changed = 0;
+    for case in hand_worked::cases().iter().filter(|case| case.kept.is_empty()) {
+        let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
+        let pair = Pair::new(&a, &b);
+        let exact = pair.classify(&case.tolerances).contacts;
+        for contact in pair.classify_with_variant(&case.tolerances, RuleVariant::SmallestGap) {
+            let Some(known) = exact.iter().find(|known| known.key == contact.key) else { continue };
+            let [least, largest] = [contact.entrance, known.entrance].map(|plane| height(pair.gap(&plane)));
+            assert!(least <= largest, "{}: {contact:?}", case.name);
+            changed += usize::from(least < largest);
+            // Others have one plane alone.
+            let has_several =
+                matches!(contact.kind(), ContactKind::VertexVertex | ContactKind::VertexEdge | ContactKind::EdgeVertex);
+            assert!(contact == *known || has_several, "{}: {contact:?}", case.name);
+        }
+    }
+    assert!(changed > 3, "{changed}");
 }

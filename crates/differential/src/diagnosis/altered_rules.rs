@@ -13,6 +13,8 @@ enum AlteredRule {
     Tie(Predicate, Sign),
     /// The question has this answer, whatever it is asked of.
     Always(Predicate, bool),
+    /// Of several entrances that with the smallest gap is chosen.
+    SmallestGap,
 }
 
 /// Where SPEC says no at a tie.
@@ -45,7 +47,8 @@ pub(super) fn all() -> impl Iterator<Item = Box<dyn Hypothesis>> {
     });
     let gaps = [Sign::Negative, Sign::Positive].map(|sign| AlteredRule::Tie(Predicate::GapSign, sign));
     let absent = ABSENT.map(|(predicate, answer)| AlteredRule::Always(predicate, answer));
-    gaps.into_iter().chain(ties).chain(absent).map(|rule| Box::new(rule) as Box<dyn Hypothesis>)
+    let smallest = std::iter::once(AlteredRule::SmallestGap);
+    gaps.into_iter().chain(ties).chain(absent).chain(smallest).map(|rule| Box::new(rule) as Box<dyn Hypothesis>)
 }
 
 impl Hypothesis for AlteredRule {
@@ -55,6 +58,7 @@ impl Hypothesis for AlteredRule {
             AlteredRule::Tie(Predicate::GapSign, _) => "gap-of-0-negative".to_owned(),
             AlteredRule::Tie(predicate, _) => format!("{predicate}-turned-at-ties"),
             AlteredRule::Always(predicate, _) => format!("{predicate}-left-out"),
+            AlteredRule::SmallestGap => "smallest-gap-for-entrance".to_owned(),
         }
     }
 
@@ -69,6 +73,9 @@ impl Hypothesis for AlteredRule {
             }
             AlteredRule::Tie(predicate, _) => format!("but for ties of {predicate}, which count as no (< for ≤)"),
             AlteredRule::Always(predicate, _) => format!("but for the rule {predicate}, which is left out"),
+            AlteredRule::SmallestGap => {
+                "but for entrances, of which that with the smallest gap is chosen instead of the largest".to_owned()
+            }
         }
     }
 
@@ -76,6 +83,7 @@ impl Hypothesis for AlteredRule {
         let variant = match *self {
             AlteredRule::Tie(predicate, taken) => RuleVariant::Tie(predicate, taken),
             AlteredRule::Always(predicate, answer) => RuleVariant::Always(predicate, answer),
+            AlteredRule::SmallestGap => RuleVariant::SmallestGap,
         };
         Some(asked.pair.classify_with_variant(&asked.question.tolerances, variant))
     }

@@ -4,7 +4,8 @@ use super::hypothesis::Hypothesis;
 use super::question::PreparedQuestion;
 use crate::collision::CollisionQuery;
 use crate::separation_state::{ReportedState, SeparationState};
-use rockproof_model::{Contact, Entrance, EntranceKind, Sign};
+use rockproof_model::decision::Feature;
+use rockproof_model::{Contact, ContactKey, Entrance, EntranceKind, Sign};
 
 /// No contact is reported, whatever the blocks do.
 struct NoContacts;
@@ -38,12 +39,48 @@ enum WrongReply {
     EntranceRenamed,
     /// The normal points the other way.
     NormalTurned,
-    /// The gap in millimetres.
-    Millimetres,
+    /// Features numbered from 1.
+    FromOne(Numbered),
+    /// A normal of length 0.
+    NormalZero,
+    /// The gap in a unit of which so many make a metre.
+    Unit(u16),
     /// The gap's square.
     Squared,
     /// Blocks that touch are said to lie so.
     Touching(SeparationState),
+}
+
+/// Which features are numbered from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Numbered {
+    All,
+    Vertices,
+    Edges,
+    Faces,
+}
+
+impl Numbered {
+    fn name(self) -> &'static str {
+        match self {
+            Numbered::All => "features",
+            Numbered::Vertices => "vertices",
+            Numbered::Edges => "edges",
+            Numbered::Faces => "faces",
+        }
+    }
+
+    /// The numbers that features have then.
+    fn next(self, features: [Feature; 2]) -> [u32; 2] {
+        features.map(|feature| {
+            let (of, number) = match feature {
+                Feature::Vertex(_, v) => (Numbered::Vertices, v.index()),
+                Feature::Edge(_, e) => (Numbered::Edges, e.index()),
+                Feature::Face(_, f) => (Numbered::Faces, f.index()),
+            };
+            number as u32 + u32::from(self == Numbered::All || self == of)
+        })
+    }
 }
 
 /// The hypothesis that needs no other: nothing is reported. Tolerances, rules and kinds left out come to the same for many pairs.
@@ -60,7 +97,13 @@ pub(super) fn all() -> impl Iterator<Item = Box<dyn Hypothesis>> {
         WrongReply::EntranceExchanged,
         WrongReply::EntranceRenamed,
         WrongReply::NormalTurned,
-        WrongReply::Millimetres,
+        WrongReply::FromOne(Numbered::All),
+        WrongReply::FromOne(Numbered::Vertices),
+        WrongReply::FromOne(Numbered::Edges),
+        WrongReply::FromOne(Numbered::Faces),
+        WrongReply::NormalZero,
+        WrongReply::Unit(1000),
+        WrongReply::Unit(100),
         WrongReply::Squared,
     ];
     let turned = std::iter::once(WrongReply::GapTurned).chain(planes.map(WrongReply::GapTurnedAt));
@@ -76,7 +119,10 @@ impl Hypothesis for WrongReply {
             WrongReply::EntranceExchanged => "entrance-exchanged".to_owned(),
             WrongReply::EntranceRenamed => "entrance-renamed".to_owned(),
             WrongReply::NormalTurned => "normal-turned".to_owned(),
-            WrongReply::Millimetres => "gap-in-millimetres".to_owned(),
+            WrongReply::FromOne(Numbered::All) => "numbered-from-1".to_owned(),
+            WrongReply::FromOne(numbered) => format!("{}-numbered-from-1", numbered.name()),
+            WrongReply::NormalZero => "normal-zero".to_owned(),
+            WrongReply::Unit(of_metre) => format!("gap-in-{}", unit(*of_metre)),
             WrongReply::Squared => "gap-squared".to_owned(),
             WrongReply::Touching(state) => format!("touching-is-{state}"),
         }
@@ -90,7 +136,9 @@ impl Hypothesis for WrongReply {
             WrongReply::EntranceExchanged => "with the features of the entrance exchanged".to_owned(),
             WrongReply::EntranceRenamed => "with entrances v-f called f-v and f-v called v-f".to_owned(),
             WrongReply::NormalTurned => "with the normal turned round: it points from A to B".to_owned(),
-            WrongReply::Millimetres => "with the gap in millimetres".to_owned(),
+            WrongReply::FromOne(numbered) => format!("with {} numbered from 1 instead of 0", numbered.name()),
+            WrongReply::NormalZero => "with a normal of length 0".to_owned(),
+            WrongReply::Unit(of_metre) => format!("with the gap in {}", unit(*of_metre)),
             WrongReply::Squared => "with the square of the gap in place of the gap".to_owned(),
             WrongReply::Touching(state) => format!("but for blocks that touch, which are called {state}"),
         }
@@ -112,7 +160,15 @@ impl Hypothesis for WrongReply {
                 WrongReply::EntranceRenamed => {
                     contact.entrance = Entrance::of_kind(entrance.swapped().kind(), entrance.numbers());
                 }
-                WrongReply::NormalTurned | WrongReply::Millimetres | WrongReply::Squared | WrongReply::Touching(_) => {
+                WrongReply::FromOne(numbered) => {
+                    contact.key = ContactKey::of_kind(contact.key.kind(), numbered.next(contact.key.features()));
+                    contact.entrance = Entrance::of_kind(entrance.kind(), numbered.next(entrance.features()));
+                }
+                WrongReply::NormalZero
+                | WrongReply::NormalTurned
+                | WrongReply::Unit(_)
+                | WrongReply::Squared
+                | WrongReply::Touching(_) => {
                     return None;
                 }
             }
@@ -128,7 +184,11 @@ impl Hypothesis for WrongReply {
                 ReportedState { gap_m: said.gap_m.map(|gap| -gap), ..said }
             }
             WrongReply::NormalTurned => ReportedState { normal: said.normal.map(|normal| normal.map(|c| -c)), ..said },
-            WrongReply::Millimetres => ReportedState { gap_m: said.gap_m.map(|gap| gap / 1000.0), ..said },
+            WrongReply::NormalZero if said.normal.is_none_or(|normal| normal.iter().any(|&part| part != 0.0)) => said,
+            WrongReply::NormalZero => ReportedState { normal: None, ..said },
+            WrongReply::Unit(of_metre) => {
+                ReportedState { gap_m: said.gap_m.map(|gap| gap / f64::from(*of_metre)), ..said }
+            }
             WrongReply::Squared => {
                 let root = |gap: f64| gap.abs().sqrt();
                 let sign = if said.state == SeparationState::Overlapping { -1.0 } else { 1.0 };
@@ -143,8 +203,16 @@ impl Hypothesis for WrongReply {
                 });
             }
             WrongReply::DepthPositive => said,
-            WrongReply::GapTurnedAt(_) | WrongReply::EntranceExchanged | WrongReply::EntranceRenamed => return None,
+            WrongReply::GapTurnedAt(_)
+            | WrongReply::EntranceExchanged
+            | WrongReply::EntranceRenamed
+            | WrongReply::FromOne(_) => return None,
         };
         asked.state_is_right(blocks, meant)
     }
+}
+
+/// The name of a unit of which so many make a metre.
+fn unit(of_metre: u16) -> &'static str {
+    if of_metre == 100 { "centimetres" } else { "millimetres" }
 }

@@ -1,7 +1,7 @@
 //! What may be wrong with an engine.
 
 use super::question::{PreparedQuestion, Question, Reply};
-use super::{altered_rules, answers, input, parts, tolerances};
+use super::{altered_rules, answers, input, parts, states, tolerances};
 use crate::separation_state::ReportedState;
 use rockproof_model::{Contact, ToleranceSet};
 
@@ -33,6 +33,16 @@ pub(super) trait Hypothesis: Send + Sync {
         None
     }
 
+    /// Where it differs from others by a limit alone: their name, and its place among them.
+    fn ladder(&self) -> Option<(String, usize)> {
+        None
+    }
+
+    /// This and those of its [`Hypothesis::ladder`] up to a place, as one.
+    fn range_to(&self, _last: usize) -> Option<HypothesisRange> {
+        None
+    }
+
     /// Whether it explains answers by rounding in sound formulas: no mistake.
     fn is_rounding(&self) -> bool {
         false
@@ -42,6 +52,12 @@ pub(super) trait Hypothesis: Send + Sync {
     fn is_about_ties(&self) -> bool {
         false
     }
+}
+
+/// Several hypotheses that differ by a number and explain the same, as one.
+pub(super) struct HypothesisRange {
+    pub(super) name: String,
+    pub(super) sentence: String,
 }
 
 /// Whether a hypothesis gives the answer that the engine gave; `None` where it has none.
@@ -58,6 +74,7 @@ pub(super) fn all() -> Vec<Box<dyn Hypothesis>> {
     let mut all = vec![answers::simplest()];
     all.extend(input::all());
     all.extend(answers::all());
+    all.extend(states::all());
     all.extend(tolerances::all());
     all.extend(parts::all());
     all.extend(altered_rules::all());

@@ -12,6 +12,7 @@ mod judge;
 mod parts;
 mod question;
 mod row;
+mod states;
 mod tolerances;
 
 pub use contradictions::OtherQuestions;

@@ -116,6 +116,13 @@ pub fn diagnosis_lines(rows: &[DiagnosisRow]) -> Vec<String> {
         if row.verdict == DiagnosisVerdict::Explains && left * SMALL_PART >= row.differing {
             words += &format!(" It is not all: nothing explains {left} of them.");
         }
+        // Where rounding does not explain the others, it need not be what these have in common with them.
+        if row.verdict == DiagnosisVerdict::Rounding && left > 0 {
+            words = words.replace(
+                ": rounding can be the reason.",
+                &format!(": rounding can be the reason, or what is wrong with the {left} further off."),
+            );
+        }
         Some(words)
     };
     rows.iter().filter_map(line).collect()

@@ -1,6 +1,6 @@
 //! Hypotheses about tolerances: one times a factor, left out, in another unit, another one's, or that of another preset.
 
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, HypothesisRange};
 use super::question::{PreparedQuestion, Question};
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -174,18 +174,22 @@ fn times(number: &Number, thousandths: i64) -> Number {
     number.times(&Number::from_rational(BigRational::new(BigInt::from(thousandths), BigInt::from(1000))))
 }
 
-/// Several factors of one tolerance that explain the same, as one hypothesis.
-pub(super) struct FactorRange {
-    pub(super) name: String,
-    pub(super) sentence: String,
-}
-
 /// Hypotheses that explain the same, with those about factors of one tolerance, all above 1 or all below, put together: no number is told that the
 /// answers do not tell.
-pub(super) fn factor_ranges(alike: &[usize], hypotheses: &[Box<dyn Hypothesis>]) -> Vec<(usize, Option<FactorRange>)> {
+pub(super) fn factor_ranges(
+    alike: &[usize],
+    hypotheses: &[Box<dyn Hypothesis>],
+) -> Vec<(usize, Option<HypothesisRange>)> {
     let side = |number: &usize| hypotheses[*number].factor().map(|(name, factor)| (name, factor > 1000));
-    let mut told: Vec<(usize, Option<FactorRange>)> = Vec::new();
+    let mut told: Vec<(usize, Option<HypothesisRange>)> = Vec::new();
     for number in alike {
+        if let Some((name, _)) = hypotheses[*number].ladder() {
+            let is_of_name = |other: &usize| hypotheses[*other].ladder().is_some_and(|(known, _)| known == name);
+            if !told.iter().any(|(known, _)| is_of_name(known)) {
+                told.extend(on_ladder(alike.iter().copied().filter(is_of_name).collect(), hypotheses));
+            }
+            continue;
+        }
         let of = side(number);
         if of.is_some() && told.iter().any(|(known, _)| side(known) == of) {
             continue;
@@ -195,7 +199,7 @@ pub(super) fn factor_ranges(alike: &[usize], hypotheses: &[Box<dyn Hypothesis>])
             Some(_) => alike.iter().copied().filter(|other| side(other) == of).collect(),
         };
         let factors: Vec<i64> = same.iter().filter_map(|&other| Some(hypotheses[other].factor()?.1)).collect();
-        match of.and_then(|(name, _)| FactorRange::of(name, &factors)) {
+        match of.and_then(|(name, _)| range_of_factors(name, &factors)) {
             // Without a range each by itself.
             None => told.extend(same.into_iter().map(|number| (number, None))),
             range => told.push((*number, range)),
@@ -204,26 +208,37 @@ pub(super) fn factor_ranges(alike: &[usize], hypotheses: &[Box<dyn Hypothesis>])
     told
 }
 
-impl FactorRange {
-    /// The range of some factors, all above 1 or all below; none of one factor, and where a factor between two of them is not among them.
-    fn of(name: &str, factors: &[i64]) -> Option<FactorRange> {
-        let text = |factor: i64| FACTORS.iter().find(|(known, _)| *known == factor).map(|(_, text)| *text);
-        let [least, most] = [factors.iter().min()?, factors.iter().max()?].map(|factor| *factor);
-        let has_gaps = FACTORS.iter().any(|(known, _)| (least..most).contains(known) && !factors.contains(known));
-        if least == most || has_gaps {
-            return None;
+/// Hypotheses of one ladder: as one where no place between them is missing, else each by itself.
+fn on_ladder(same: Vec<usize>, hypotheses: &[Box<dyn Hypothesis>]) -> Vec<(usize, Option<HypothesisRange>)> {
+    let mut places: Vec<(usize, usize)> =
+        same.iter().filter_map(|&number| Some((hypotheses[number].ladder()?.1, number))).collect();
+    places.sort_unstable();
+    match (places.first(), places.last()) {
+        (Some(&(first, number)), Some(&(last, _))) if last > first && last - first + 1 == places.len() => {
+            vec![(number, hypotheses[number].range_to(last))]
         }
-        let (least_text, most_text) = (text(least)?, text(most)?);
-        let range = if FACTORS.iter().all(|(known, _)| *known <= most) {
-            format!("{least_text} or more")
-        } else if least == 0 {
-            format!("{most_text} or less")
-        } else {
-            format!("{least_text} to {most_text}")
-        };
-        let name_range = range.replace(' ', "-");
-        Some(FactorRange { name: format!("{name}-times-{name_range}"), sentence: format!("with {name} times {range}") })
+        _ => same.into_iter().map(|number| (number, None)).collect(),
     }
+}
+
+/// The range of some factors, all above 1 or all below; none of one factor, and where a factor between two of them is not among them.
+fn range_of_factors(name: &str, factors: &[i64]) -> Option<HypothesisRange> {
+    let text = |factor: i64| FACTORS.iter().find(|(known, _)| *known == factor).map(|(_, text)| *text);
+    let [least, most] = [factors.iter().min()?, factors.iter().max()?].map(|factor| *factor);
+    let has_gaps = FACTORS.iter().any(|(known, _)| (least..most).contains(known) && !factors.contains(known));
+    if least == most || has_gaps {
+        return None;
+    }
+    let (least_text, most_text) = (text(least)?, text(most)?);
+    let range = if FACTORS.iter().all(|(known, _)| *known <= most) {
+        format!("{least_text} or more")
+    } else if least == 0 {
+        format!("{most_text} or less")
+    } else {
+        format!("{least_text} to {most_text}")
+    };
+    let name_range = range.replace(' ', "-");
+    Some(HypothesisRange { name: format!("{name}-times-{name_range}"), sentence: format!("with {name} times {range}") })
 }
 
 /// Factors that questions are asked with once more where hypotheses about tolerances are alike, in thousandths.
@@ -247,7 +262,7 @@ mod tests {
             hypotheses.iter().position(|one| one.factor() == Some(("search", *factor))).expect("a factor that is tried")
         };
         let alike: Vec<usize> = factors.iter().map(number).collect();
-        let sentence = |(number, range): (usize, Option<FactorRange>)| {
+        let sentence = |(number, range): (usize, Option<HypothesisRange>)| {
             range.map_or_else(|| hypotheses[number].sentence(), |range| range.sentence)
         };
         factor_ranges(&alike, &hypotheses).into_iter().map(sentence).collect()

@@ -73,8 +73,21 @@ pub(super) fn quoted(line: &[u8]) -> String {
     format!("{start:?}{rest}")
 }
 
+/// Where a line is no JSON. What C and C++ print for numbers that are none is the usual reason.
+fn not_json(line: &[u8], error: &serde_json::Error) -> String {
+    let (at, around) = (error.column().saturating_sub(1).min(line.len()), 12);
+    let place = &line[at.saturating_sub(around)..(at + around).min(line.len())];
+    let words = String::from_utf8_lossy(place).to_ascii_lowercase();
+    let hint = if ["nan", "inf"].iter().any(|word| words.contains(word)) {
+        "; JSON has no NaN and no infinity: where a gap is none, leave its key out"
+    } else {
+        ""
+    };
+    format!("not JSON ({error}: …{}…{hint})", String::from_utf8_lossy(place).escape_debug())
+}
+
 fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, ProtocolError> {
-    let value: Value = serde_json::from_slice(line).map_err(|error| format!("not JSON ({error})"))?;
+    let value: Value = serde_json::from_slice(line).map_err(|error| not_json(line, &error))?;
     let Value::Object(object) = value else {
         return Err(format!("expected an object, found {}", kind_of(&value)).into());
     };

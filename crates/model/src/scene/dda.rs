@@ -168,6 +168,9 @@ fn edges(tokens: &mut Tokens<'_>, blocks: Count) -> Result<(), Located> {
     check_used_once(&slices, count, "edge of the list")
 }
 
+/// The scalar that says which blocks are fixed.
+const FIXED: &str = "fixedFlag";
+
 /// The `fixedFlag` of every block; without that section none is fixed.
 fn scalars(tokens: &mut Tokens<'_>, blocks: usize) -> Result<Vec<bool>, Located> {
     let mut fixed = vec![false; blocks];
@@ -177,9 +180,15 @@ fn scalars(tokens: &mut Tokens<'_>, blocks: usize) -> Result<Vec<bool>, Located>
         }
         tokens.keyword("SCALARS")?;
         let name = tokens.next("the name of a scalar")?;
+        if name.text != FIXED && ["fix", "flag"].iter().any(|part| name.text.to_ascii_lowercase().contains(part)) {
+            // Every other scalar is skipped, and blocks that were meant to be fixed would fall.
+            let (what, found) = ("a scalar".to_owned(), crate::number_text::shown(name.text));
+            let allowed = format!("{FIXED}, in these letters, for blocks that are fixed, or another name");
+            return Err((Some(name.line), SceneProblem::NotAllowed { what, found, allowed }));
+        }
         tokens.next("the type of a scalar")?;
         for block_is_fixed in &mut fixed {
-            if name.text == "fixedFlag" {
+            if name.text == FIXED {
                 *block_is_fixed = tokens.index("a fixedFlag", 2)? == 1;
             } else {
                 tokens.number(&format!("a value of {}", crate::number_text::shown(name.text)))?;

@@ -47,7 +47,7 @@ fn of_faces(faces: &[&Face], points: &[Point], lines: &[usize]) -> RawBlock {
 
 /// Which faces are joined by edges. Where more than two faces have an edge, as where blocks touch along it, the first that runs along it
 /// one way belongs to the first that runs the other way, the second to the second: files hold block after block.
-fn components(faces: &[Face]) -> Vec<Vec<usize>> {
+pub(super) fn components(faces: &[Face]) -> Vec<Vec<usize>> {
     let mut uses: HashMap<(u32, u32), [Vec<usize>; 2]> = HashMap::new();
     for (i, face) in faces.iter().enumerate() {
         for (p, q) in loop_pairs(&face.vertices) {

@@ -29,7 +29,7 @@ use crate::tolerance::ToleranceSet;
 use crate::tolerance_spec::ToleranceSpec;
 use raw::{Assembly, FeatureLines, RawBlock};
 use std::path::{Path, PathBuf};
-use tokens::{Located, as_text};
+use tokens::{Located, as_text, with_line_feeds};
 use toml::BodyProperties;
 
 /// Blocks, in the order of their file.
@@ -347,13 +347,13 @@ impl SceneBuilder {
 fn read_foreign(bytes: &[u8], format: SceneFormat, options: &LoadOptions) -> Option<Result<Vec<RawBlock>, Located>> {
     let weld = options.weld.as_ref();
     let text = |read: fn(&str) -> Result<Vec<RawBlock>, Located>| {
-        let blocks = as_text(bytes).and_then(read);
+        let blocks = as_text(&with_line_feeds(bytes)).and_then(read);
         blocks.map(|blocks| blocks.into_iter().map(|raw| welded(raw, weld)).collect())
     };
     Some(match format {
         SceneFormat::Toml => return None,
         SceneFormat::Dda => text(dda::read),
-        SceneFormat::Obj => as_text(bytes).and_then(|text| obj::read(text, weld)),
+        SceneFormat::Obj => as_text(&with_line_feeds(bytes)).and_then(|text| obj::read(text, weld)),
         SceneFormat::Stl => stl::read(bytes, weld.unwrap_or(&Number::ZERO)),
         SceneFormat::Ply => ply::read(without_mark(bytes), weld),
         SceneFormat::Msh => msh::read(without_mark(bytes), weld),

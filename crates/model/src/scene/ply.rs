@@ -3,6 +3,7 @@
 
 use crate::block::Point;
 use crate::number::Number;
+use crate::number_text::shown;
 use crate::scene::error::SceneProblem;
 use crate::scene::mesh::{Face, blocks, weld};
 use crate::scene::raw::RawBlock;
@@ -10,7 +11,8 @@ use crate::scene::tokens::{Located, out_of};
 use crate::text::{EXCERPT_LENGTH, excerpt};
 use crate::vector::Vec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType};
+use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, Version};
+use std::io::ErrorKind;
 
 /// An element: a vertex, a face, or one of which nothing is kept.
 struct Row {
@@ -82,14 +84,28 @@ impl Rows {
 pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlock>, Located> {
     let mut reader = Reader::new(bytes);
     let parser = Parser::<Row>::new();
-    let header = parser.read_header(&mut reader).map_err(located)?;
+    let in_header = "a line of a PLY header (format, element, property, comment, end_header)";
+    let header = parser.read_header(&mut reader).map_err(|error| located(&error, bytes, in_header))?;
+    let Version { major, minor } = header.version;
+    if (major, minor) != (1, 0) {
+        let (what, found) = ("the version of the format".to_owned(), format!("{major}.{minor}"));
+        let problem = SceneProblem::NotAllowed { what, found, allowed: "1.0".to_owned() };
+        return Err((header_line(bytes, "format"), problem));
+    }
     let is_text = header.encoding == Encoding::Ascii;
     let (mut vertices, mut faces) = (Rows::default(), Rows::default());
     for element in header.elements.values() {
-        check_element(element, bytes.len())?;
+        check_element(element, bytes.len())
+            .map_err(|(_, problem)| (header_line(bytes, &format!("element {} ", element.name)), problem))?;
         let first_line = is_text.then(|| reader.line().max(1));
         let rows = parser.read_payload_for_element(&mut reader, element, &header).map_err(|error| {
-            let (line, problem) = located(error);
+            let name = excerpt(&element.name, EXCERPT_LENGTH);
+            if error.kind() == ErrorKind::UnexpectedEof {
+                let expected = format!("the last of {} elements \"{name}\"", element.count);
+                return (None, SceneProblem::Truncated { expected });
+            }
+            let expected = format!("a \"{name}\" with the properties that the header announces");
+            let (line, problem) = located(&error, if is_text { bytes } else { b"" }, &expected);
             (line.filter(|_| is_text), problem)
         })?;
         match element.name.as_str() {
@@ -98,6 +114,7 @@ pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlo
             _ => {}
         }
     }
+    check_end(reader.get_ref(), is_text.then(|| reader.line()))?;
     let points = points(&vertices)?;
     let mut faces = polygons(&faces, points.len())?;
     let mut used = vec![false; points.len()];
@@ -133,8 +150,9 @@ fn check_element(element: &ElementDef, bytes: usize) -> Result<(), Located> {
         _ => None,
     };
     if let Some(expected) = missing {
-        let expected = format!("{expected} among the properties of \"{}\"", element.name);
-        return Err((None, SceneProblem::Truncated { expected }));
+        let what = format!("element \"{}\" without {expected} among its properties", element.name);
+        let allowed = "vertices need x, y and z, faces the numbers of their vertices".to_owned();
+        return Err((None, SceneProblem::Unsupported { what, allowed }));
     }
     // Each takes a byte or more, and one without properties would take none.
     if element.properties.is_empty() || element.count > bytes {
@@ -181,15 +199,37 @@ fn polygons(faces: &Rows, points: usize) -> Result<Vec<Face>, Located> {
     faces.rows.iter().enumerate().map(polygon).collect()
 }
 
-/// What the library says, on one line; it quotes lines of the file in full.
-fn located(error: ParseError) -> Located {
-    let line = error.line();
-    let said = error.to_string();
-    let said = match line {
-        Some(line) => said.strip_prefix(&format!("Line {line}: ")).unwrap_or(&said),
-        None => &said,
+/// That nothing but white space is behind the last element; `line` is that of the next line, of a text.
+fn check_end(rest: &[u8], line: Option<usize>) -> Result<(), Located> {
+    let Some(first) = rest.iter().position(|byte| !byte.is_ascii_whitespace()) else { return Ok(()) };
+    let line = line.map(|line| line + rest[..first].iter().filter(|&&byte| byte == b'\n').count());
+    let bytes = rest.len() - first;
+    let found = match line {
+        Some(_) => quoted(rest[first..].split(|&byte| byte == b'\n').next().unwrap_or_default()),
+        None => format!("{bytes} more bytes"),
     };
-    let said: Vec<&str> = said.split_whitespace().collect();
-    let found = format!("what is no PLY ({})", excerpt(&said.join(" "), EXCERPT_LENGTH));
-    (line, SceneProblem::Unexpected { found, expected: "what the header announces".to_owned() })
+    let expected = "the end of the file, after as many elements as the header announces".to_owned();
+    Err((line, SceneProblem::Unexpected { found, expected }))
+}
+
+/// The number of a line of the header, which is a text in every file, by how it begins.
+fn header_line(bytes: &[u8], start: &str) -> Option<usize> {
+    let begins = |line: &[u8]| line.starts_with(start.as_bytes());
+    bytes.split(|&byte| byte == b'\n').position(begins).map(|place| place + 1)
+}
+
+/// A line of the file, in an error.
+fn quoted(line: &[u8]) -> String {
+    format!("\"{}\"", shown(String::from_utf8_lossy(line).trim()))
+}
+
+/// Where something else stands than what is expected. What the library says of it is about its own parser.
+fn located(error: &ParseError, bytes: &[u8], expected: &str) -> Located {
+    if error.kind() == ErrorKind::UnexpectedEof {
+        return (None, SceneProblem::Truncated { expected: expected.to_owned() });
+    }
+    let line = error.line();
+    let text = line.and_then(|line| bytes.split(|&byte| byte == b'\n').nth(line.checked_sub(1)?));
+    let found = text.map_or_else(|| "what is no PLY".to_owned(), quoted);
+    (line, SceneProblem::Unexpected { found, expected: expected.to_owned() })
 }

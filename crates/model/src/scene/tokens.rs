@@ -4,9 +4,18 @@ use crate::number::{Number, NumberError};
 use crate::number_text::shown;
 use crate::scene::error::SceneProblem;
 use crate::vector::Vec3;
+use std::borrow::Cow;
 
 /// A problem with the line it is on.
 pub(super) type Located = (Option<usize>, SceneProblem);
+
+/// A file whose lines end in a carriage return alone, as those of early Macintosh do, with line feeds in place of them; any other as it is.
+pub(super) fn with_line_feeds(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if bytes.contains(&b'\n') || !bytes.contains(&b'\r') {
+        return Cow::Borrowed(bytes);
+    }
+    Cow::Owned(bytes.iter().map(|&byte| if byte == b'\r' { b'\n' } else { byte }).collect())
+}
 
 /// The bytes of a file as text, without the mark that some editors begin one with.
 pub(super) fn as_text(bytes: &[u8]) -> Result<&str, Located> {

@@ -66,6 +66,13 @@ pub(super) fn load(set: &ToleranceSet, scene: &Scene) -> Option<Warning> {
     Some(Warning { kind: WarningKind::Load, block: Some(block), found: depth, allowed, remedy })
 }
 
+/// What some blocks of a scene bear with their own weight, as the warning `load` estimates it (N); 0 of each without gravity.
+pub fn weights_borne(set: &ToleranceSet, scene: &Scene, blocks: &[usize]) -> Vec<f64> {
+    let Some(columns) = columns(set, scene) else { return vec![0.0; blocks.len()] };
+    let plans = Plans::of(&columns);
+    blocks.iter().map(|&block| carried(&columns, &plans, &columns[block])).collect()
+}
+
 /// All blocks; `None` without gravity.
 fn columns(set: &ToleranceSet, scene: &Scene) -> Option<Vec<Column>> {
     let mut simulation = scene.simulation.clone();

@@ -114,5 +114,55 @@ pub fn all(results: &Results) -> Result<Vec<Section>, ReportError> {
         sections.push(timing::section(&results.timings));
     }
     sections.push(runs::section(results));
+    keep_runs(&mut sections);
     Ok(sections)
+}
+
+/// Has every table name the run of its rows where the tables are of several runs: one of which only one run has rows would not say which.
+fn keep_runs(sections: &mut [Section]) {
+    let mut tables: Vec<&mut Table> = sections
+        .iter_mut()
+        .flat_map(|section| &mut section.parts)
+        .filter_map(|part| match part {
+            SectionPart::Table(table, _) | SectionPart::Quiet(table) => Some(table),
+            _ => None,
+        })
+        .collect();
+    let has_several = {
+        let mut runs = tables.iter().flat_map(|table| table.runs());
+        let first = runs.next();
+        runs.any(|run| Some(run) != first)
+    };
+    if has_several {
+        tables.iter_mut().for_each(|table| table.keeps_run = true);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn section(runs: &[&str]) -> Section {
+        let mut table = Table::new("audit_causes", "", &["run", "step"]);
+        runs.iter().for_each(|run| table.push(vec![(*run).into(), 1_u64.into()]));
+        Section { parts: vec![SectionPart::Table(table, 9)], ..Section::new("audit", "", "") }
+    }
+
+    /// The first column that readers see.
+    fn first(section: &Section) -> usize {
+        let [SectionPart::Table(table, _)] = &section.parts[..] else { panic!("a table") };
+        table.needed().start
+    }
+
+    #[test]
+    fn a_table_of_one_run_names_it_where_others_are_of_another() {
+        let of = |tables: &[&[&str]]| {
+            let mut sections: Vec<Section> = tables.iter().map(|runs| section(runs)).collect();
+            keep_runs(&mut sections);
+            sections.iter().map(first).collect::<Vec<_>>()
+        };
+        assert_eq!(of(&[&["a", "a"], &["a"]]), [1, 1]);
+        assert_eq!(of(&[&["a", "b"], &["b"]]), [0, 0]);
+        assert_eq!(of(&[&["a"], &["b"], &[]]), [0, 0, 0]);
+    }
 }

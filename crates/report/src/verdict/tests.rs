@@ -166,6 +166,19 @@ fn code_that_never_answered_is_not_called_free_of_mistakes() {
     assert!(has(&lines, Severity::Good, "No mistake in code of stepper-f64 was found in 300 pairs."), "{lines:?}");
 }
 
+/// What an engine says that it does not support is no mistake: the share of the rest is told beside.
+#[test]
+fn pairs_that_an_engine_does_not_support_are_told_apart() {
+    let row = |index: u32| format!("{index},sliver,base,auto,mine,engine,unsupported,,,,,,,");
+    let unsupported: Vec<String> = (0..4).map(row).collect();
+    let rows: Vec<&str> = unsupported.iter().map(String::as_str).collect();
+    let lines = lines_of(campaign(&[("mine", 6)], &rows, &[], watched()));
+    assert!(lines[0].text.starts_with("Exactly right on hard pairs: mine 60.00 % ("), "{lines:?}");
+    assert!(lines[0].text.ends_with("), 100 % of the 6 pairs that it supports."), "{lines:?}");
+    let lines = lines_of(campaign(&[("mine", 6)], &[], &[], watched()));
+    assert!(!lines[0].text.contains("supports"), "{lines:?}");
+}
+
 #[test]
 fn an_engine_that_is_not_always_right_does_not_hide_one_that_had_to_be_started_anew() {
     let mut run = campaign(&[("a-mine", 10), ("stepper-f32", 9)], &[], &[], watched());

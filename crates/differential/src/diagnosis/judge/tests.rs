@@ -160,3 +160,184 @@ fn right_answers_that_a_hypothesis_would_change_are_looked_for() {
     assert_eq!((verdict, against), (DiagnosisVerdict::Contradicted, 1));
     assert!(agreeing > 1, "{agreeing}");
 }
+
+/// What is told of a collision code that answers like that about some gaps, and is right about others: explanations, with how many answers.
+fn of_states(wrong: &dyn Fn(f64) -> ReportedState, differing: &[f64], agreeing: &[f64]) -> Vec<String> {
+    let ask = |gap: &f64| question(*gap, wrong(question_gap(*gap)));
+    let sample = Sample {
+        differing: differing.iter().map(ask).collect(),
+        agreeing: agreeing.iter().map(ask).collect(),
+        all_differing: differing.len() as u64,
+    };
+    assert!(sample.differing.iter().all(|asked| asked.is_right() == Some(false)));
+    assert!(sample.agreeing.iter().all(|asked| asked.is_right() == Some(true)));
+    explanations(&diagnose("mine", &sample, &|_, _| Reply::Nothing(crate::compare::AnswerChange::Crash), &|_| None))
+}
+
+/// The gap between the boxes of a [`question`], whose coordinates are rounded.
+fn question_gap(gap: f64) -> f64 {
+    (1.0 + gap) - 1.0
+}
+
+fn explanations(rows: &[DiagnosisRow]) -> Vec<String> {
+    let told = rows.iter().filter(|row| matches!(row.verdict, DiagnosisVerdict::Explains | DiagnosisVerdict::AsWell));
+    told.map(|row| format!("{} {}", row.hypothesis, row.answers)).collect()
+}
+
+#[test]
+fn gaps_in_another_unit_or_in_few_digits_are_told() {
+    let gaps = [0.123_456_789, 0.031_415_926_5, -0.271_828_18, -0.077_777_777];
+    let with = |change: fn(f64) -> f64| move |gap: f64| said(gap, |said| said.gap_m = said.gap_m.map(change));
+    let told = |change: fn(f64) -> f64| of_states(&with(change), &gaps, &[]);
+    let text = |text: String| text.parse::<f64>().expect("a number");
+    assert_eq!(told(|gap| gap * 100.0), ["gap-in-centimetres 4"]);
+    assert_eq!(told(|gap| gap * 1000.0), ["gap-in-millimetres 4"]);
+    let digits = move |gap: f64| said(gap, |said| said.gap_m = Some(text(format!("{gap:.5e}"))));
+    assert_eq!(of_states(&digits, &gaps, &[0.5]), ["gap-in-6-digits 4"]);
+    let decimals = move |gap: f64| said(gap, |said| said.gap_m = Some(text(format!("{gap:.3}"))));
+    assert_eq!(of_states(&decimals, &gaps, &[0.125]), ["gap-in-3-decimals 4"]);
+    let no_normal = |gap: f64| said(gap, |said| said.normal = Some([0.0; 3]));
+    assert_eq!(of_states(&no_normal, &gaps, &[]), ["normal-zero 4"]);
+    // A constant added is none of these.
+    assert_eq!(told(|gap| gap + 0.1), [""; 0]);
+}
+
+#[test]
+fn a_tolerance_of_states_is_told_with_the_range_that_answers_leave_open() {
+    use SeparationState::{Apart, Overlapping, Touching};
+    let near = |limit: f64, is: SeparationState, called: SeparationState| {
+        move |gap: f64| {
+            let mut answer = said(gap, |_| {});
+            if gap.abs() <= limit && answer.state == is {
+                answer = ReportedState { state: called, gap_m: None, normal: None };
+            }
+            answer
+        }
+    };
+    let gaps = [1e-8, 3e-8, 5e-7, 9e-7];
+    let told = |limit, agreeing: &[f64]| of_states(&near(limit, Apart, Touching), &gaps, agreeing);
+    assert_eq!(told(1e-6, &[2e-6, -1e-7, 0.5]), ["apart-by-1e-6-is-touching 4"]);
+    // Nothing between a micrometre and a millimetre was asked.
+    assert_eq!(told(1e-4, &[2e-3, -1e-7, 0.5]), ["apart-by-1e-6-to-1e-3-is-touching 4"]);
+    let overlaps = gaps.map(|gap| -gap);
+    let told = of_states(&near(1e-6, Overlapping, Touching), &overlaps, &[-2e-6, 1e-7]);
+    assert_eq!(told, ["overlapping-by-1e-6-is-touching 4"]);
+    let told = of_states(&near(1e-6, Apart, Overlapping), &gaps, &[2e-6, -1e-7]);
+    assert_eq!(told, ["apart-by-1e-6-is-overlapping 4"]);
+}
+
+/// Two roofs of 4 m, ridge against ridge at a small distance, one turned by an angle in degrees.
+fn ridges(degrees: f64, shift: f64) -> [Block; 2] {
+    let number = |value: f64| Number::from_f64(value).expect("finite");
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let roof = |place: &dyn Fn([f64; 3]) -> [f64; 3], turned: bool| {
+        let corners = [-2.0, 2.0].into_iter().flat_map(|x| [[x, -1.0, -1.0], [x, 1.0, -1.0], [x, 0.0, 0.0]]);
+        let corners = corners.map(|at| {
+            let [x, y, z] = place(at).map(number);
+            Point::new(x, y, z)
+        });
+        let faces = [vec![0, 2, 1], vec![3, 4, 5], vec![0, 1, 4, 3], vec![1, 2, 5, 4], vec![2, 0, 3, 5]];
+        let faces = faces.map(|mut face| {
+            if turned {
+                face.reverse();
+            }
+            face
+        });
+        Block::new(corners.collect(), faces.to_vec(), &BlockOptions::default()).expect("a roof")
+    };
+    let above = |[x, y, z]: [f64; 3]| [cos * x - sin * y + shift, sin * x + cos * y, 2f64.powi(-20) - z];
+    [roof(&|at| at, false), roof(&above, true)]
+}
+
+/// What is told of an engine that classifies like that, from pairs of which it answers some otherwise than exactly.
+fn of_contacts(
+    pairs: &[[Block; 2]],
+    engine: &(dyn Fn(&[Block; 2], &ToleranceSet) -> Vec<Contact> + Sync),
+) -> Vec<String> {
+    let asked = |blocks: &[Block; 2]| {
+        let tolerances = preset::derive(Preset::Auto, &[&blocks[0], &blocks[1]], Precision::F64).expect("a set");
+        let reply = Reply::Contacts(engine(blocks, &tolerances));
+        let (precision, blocks) = (Precision::F64, blocks.clone());
+        Question { blocks, tolerances, precision, accuracy: 1024, reply, label: String::new() }
+    };
+    let (agreeing, differing): (Vec<Question>, Vec<Question>) =
+        pairs.iter().map(asked).partition(|question| question.is_right() == Some(true));
+    let sample = Sample { all_differing: differing.len() as u64, differing, agreeing };
+    let asking = |blocks: &[Block; 2], tolerances: &ToleranceSet| Reply::Contacts(engine(blocks, tolerances));
+    explanations(&diagnose("mine", &sample, &asking, &|_| None))
+}
+
+fn exactly(blocks: &[Block; 2], tolerances: &ToleranceSet) -> Vec<Contact> {
+    PreparedBlocks::of(blocks).pair().classify(tolerances).contacts
+}
+
+#[test]
+fn edges_near_parallel_that_are_left_out_are_told() {
+    let angles = [4.0_f64, 5.0, 6.0, 7.5, 12.0, 20.0, 60.0, 90.0];
+    let pairs = angles.map(|angle| ridges(angle, 0.0));
+    // The angle of its ridges is all that it knows of a pair.
+    let engine = |blocks: &[Block; 2], tolerances: &ToleranceSet| {
+        let angle = angles.into_iter().find(|&angle| ridges(angle, 0.0) == *blocks).expect("one of them");
+        let mut contacts = exactly(blocks, tolerances);
+        contacts.retain(|contact| contact.kind() != rockproof_model::ContactKind::EdgeEdge || angle > 9.0);
+        contacts
+    };
+    assert_eq!(of_contacts(&pairs, &engine), ["e-e-within-8-to-10-degrees-left-out 4"]);
+    assert_eq!(of_contacts(&pairs, &exactly), [""; 0]);
+}
+
+#[test]
+fn numbers_from_1_are_told_and_of_which_features() {
+    use rockproof_model::decision::Feature;
+    use rockproof_model::{ContactKey, Entrance};
+    let pairs: Vec<[Block; 2]> = (0..6)
+        .map(|k| [box_at(0.0), box_at(1.0 + f64::from(k) / 1048576.0)])
+        .chain([30.0, 45.0, 60.0, 75.0].map(|angle| ridges(angle, 0.25)))
+        .collect();
+    let engine = |is_counted: fn(Feature) -> bool| {
+        move |blocks: &[Block; 2], tolerances: &ToleranceSet| {
+            let next = |features: [Feature; 2], numbers: [u32; 2]| {
+                [0, 1].map(|k| numbers[k] + u32::from(is_counted(features[k])))
+            };
+            let mut contacts = exactly(blocks, tolerances);
+            for contact in &mut contacts {
+                let (key, plane) = (contact.key, contact.entrance);
+                contact.key = ContactKey::of_kind(key.kind(), next(key.features(), key.numbers()));
+                contact.entrance = Entrance::of_kind(plane.kind(), next(plane.features(), plane.numbers()));
+            }
+            contacts
+        }
+    };
+    assert_eq!(of_contacts(&pairs, &engine(|_| true)), ["numbered-from-1 10"]);
+    let vertices = engine(|feature| matches!(feature, Feature::Vertex(..)));
+    assert!(of_contacts(&pairs, &vertices)[0].starts_with("vertices-numbered-from-1 "));
+    let edges = engine(|feature| matches!(feature, Feature::Edge(..)));
+    assert!(of_contacts(&pairs, &edges)[0].starts_with("edges-numbered-from-1 "));
+}
+
+#[test]
+fn the_smallest_gap_taken_for_the_entrance_is_told() {
+    let number = |value: f64| Number::from_f64(value).expect("finite");
+    let at = |[x, y, z]: [f64; 3]| box_at(0.0).translated(&rockproof_model::Vec3::new(number(x), number(y), number(z)));
+    // Corner to corner: three planes of faces, with three gaps.
+    let offsets = [[1, 2, 3], [3, 1, 2], [2, 5, 4], [5, 3, 1], [4, 2, 7], [6, 5, 2]];
+    let pairs = offsets.map(|by| [at([0.0; 3]), at(by.map(|part| 1.0 + f64::from(part) / 1024.0))]);
+    let engine = |blocks: &[Block; 2], tolerances: &ToleranceSet| {
+        let mut contacts = exactly(blocks, tolerances);
+        for contact in &mut contacts {
+            // Every plane of a face that the corner may enter through has its coordinate for a gap. Of equal gaps that with a face of B comes first.
+            let low = |side: usize, k: usize| blocks[side].bounds().min.components()[k].approximate();
+            let gaps = [0, 1, 2].map(|k| low(1, k) - low(0, k));
+            let least = (0..3).min_by(|&i, &j| gaps[i].total_cmp(&gaps[j])).expect("three");
+            let is_low = |v: &rockproof_model::VertexId| {
+                blocks[1].vertices()[v.index()].components()[least].approximate() == low(1, least)
+            };
+            let face = blocks[1].topology().faces().iter().position(|face| face.iter().all(is_low));
+            let corner = rockproof_model::VertexId(contact.key.numbers()[0]);
+            contact.entrance =
+                rockproof_model::Entrance::VertexFace(corner, rockproof_model::FaceId(face.expect("a face") as u32));
+        }
+        contacts
+    };
+    assert_eq!(of_contacts(&pairs, &engine)[0], "smallest-gap-for-entrance 6");
+}

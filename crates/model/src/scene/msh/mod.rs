@@ -1,5 +1,6 @@
 //! Gmsh's meshes, in ASCII and binary, versions 2.2 and 4.1. Every tetrahedron, hexahedron, prism and pyramid is a block; of a mesh of triangles and
-//! quadrangles alone, every set of them joined by edges within a physical group, or without groups within the file.
+//! quadrangles alone, every set of them joined by edges within a physical group, or without groups within the file; beside such cells, every set with a
+//! node that no cell has, since the others are boundaries of cells.
 //!
 //! `mshio` reads version 4.1 alone, panics at types of numbers that it does not know, and gives errors without a line.
 
@@ -10,11 +11,11 @@ use crate::number::Number;
 use crate::number_text::shown;
 use crate::scene::cells::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::scene::error::SceneProblem;
-use crate::scene::mesh::{Face, blocks, weld, weld_block};
+use crate::scene::mesh::{Face, blocks, components, weld, weld_block};
 use crate::scene::raw::{FeatureLines, RawBlock};
 use crate::scene::tokens::Located;
 use input::{Input, InputPosition};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// What is kept of an element.
 enum Element {
@@ -58,6 +59,8 @@ struct Mesh {
     /// Where each group is in `polygons`.
     group_places: HashMap<i64, usize>,
     cells: Vec<RawBlock>,
+    /// The points of the cells.
+    cell_points: HashSet<u32>,
 }
 
 pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlock>, Located> {
@@ -313,6 +316,7 @@ impl Mesh {
     fn add_cell(&mut self, kind: &CellKind, corners: &[u32], line: Option<usize>) {
         // A node named twice is one vertex, and the cell then no block.
         let used: BTreeSet<u32> = corners.iter().copied().collect();
+        self.cell_points.extend(&used);
         let position: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
         let corners: Vec<u32> = corners.iter().map(|corner| position[corner]).collect();
         self.cells.push(RawBlock {
@@ -329,15 +333,13 @@ impl Mesh {
     }
 
     fn blocks(mut self, distance: Option<&Number>) -> Vec<RawBlock> {
-        if !self.cells.is_empty() {
-            // The polygons are the boundary of the cells, or of some of them.
-            return match distance {
-                Some(distance) => self.cells.into_iter().map(|cell| weld_block(cell, distance)).collect(),
-                None => self.cells,
-            };
-        }
-        let mut all = Vec::new();
+        let cells = std::mem::take(&mut self.cells).into_iter();
+        let mut all: Vec<RawBlock> = match distance {
+            Some(distance) => cells.map(|cell| weld_block(cell, distance)).collect(),
+            None => cells.collect(),
+        };
         for (group, faces) in &mut self.polygons {
+            *faces = beyond(faces, &self.cell_points);
             if let Some(distance) = distance {
                 weld(faces, &self.points, distance);
             }
@@ -345,6 +347,18 @@ impl Mesh {
         }
         all
     }
+}
+
+/// The faces that are no boundary of cells: of surfaces joined by edges, those with a point that no cell has.
+fn beyond(faces: &[Face], of_cells: &HashSet<u32>) -> Vec<Face> {
+    if of_cells.is_empty() {
+        return faces.to_vec();
+    }
+    let is_beyond = |face: &usize| faces[*face].vertices.iter().any(|point| !of_cells.contains(point));
+    let mut kept: Vec<usize> =
+        components(faces).into_iter().filter(|set| set.iter().any(is_beyond)).flatten().collect();
+    kept.sort_unstable();
+    kept.into_iter().map(|face| faces[face].clone()).collect()
 }
 
 /// An element whose nodes follow.
