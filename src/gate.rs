@@ -3,7 +3,7 @@
 use crate::exit::{ExitStatus, Outcome, print_as_it_is, print_note};
 use crate::gate_diagnosis;
 use crate::input::FormatArgs;
-use crate::output_file::{allow_ours, step_summary};
+use crate::output_file::{allow_ours, remove_ours, step_summary};
 use crate::stop::end_on_ctrl_c;
 use crate::table::{prose, table};
 use crate::terminal::threads;
@@ -23,7 +23,8 @@ use rockproof_differential::subject::PairSource;
 use rockproof_gate::answers::{self, Answers};
 use rockproof_gate::config::{Baseline, GateConfig, line_of};
 use rockproof_gate::known_findings::KnownFindings;
-use rockproof_gate::tally::{CampaignTally, TallyRow};
+use rockproof_gate::tally::CampaignTally;
+use rockproof_gate::tally_row::TallyRow;
 use rockproof_gate::{self, Check, corpus, junit, limit_scope, summary};
 use rockproof_model::files::read_text;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
@@ -33,8 +34,7 @@ use rockproof_report::verdict::VerdictLine;
 use rockproof_results::{Claim, Directory, Owner, Start, write_atomically};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -98,16 +98,8 @@ struct Gating<'g> {
 impl Gate {
     pub(crate) fn run(&self) -> Outcome {
         if let Some(junit) = &self.junit {
-            allow_ours(junit, "JUnit report of a gate", junit::is_ours)?;
             // Whatever comes of this gate, a report that is left of an earlier one would be taken for its own.
-            match fs::remove_file(junit) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                    return Err(error).with_context(|| junit.display().to_string());
-                }
-                _ => {}
-            }
-            let folder = junit.parent().unwrap_or(junit);
-            fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+            remove_ours(junit, "JUnit report of a gate", junit::is_ours)?;
         }
         // Whether it can be written is seen before the work, not after it.
         step_summary()?;

@@ -2,8 +2,8 @@
 
 use anyhow::Context;
 use rockproof_model::files::read_text;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// Whether a file may be replaced.
 #[derive(clap::Args)]
@@ -32,6 +32,19 @@ pub(crate) fn allow_ours(file: &Path, what: &str, is_ours: impl FnOnce(&str) -> 
     let text = read_text(file).with_context(left_alone)?;
     anyhow::ensure!(is_ours(&text), left_alone());
     Ok(())
+}
+
+/// Removes a file of ours that is there, and makes its folder where there is none.
+pub(crate) fn remove_ours(file: &Path, what: &str, is_ours: impl FnOnce(&str) -> bool) -> anyhow::Result<()> {
+    allow_ours(file, what, is_ours)?;
+    match fs::remove_file(file) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            return Err(error).with_context(|| file.display().to_string());
+        }
+        _ => {}
+    }
+    let folder = file.parent().unwrap_or(file);
+    fs::create_dir_all(folder).with_context(|| folder.display().to_string())
 }
 
 /// A link that leads nowhere is there too.

@@ -1,7 +1,8 @@
 //! Whether external engines answered, and whether anything in a gate is about what they answered.
 
 use super::config::GateConfig;
-use super::tally::{CampaignTally, TallyRow};
+use super::tally::CampaignTally;
+use super::tally_row::TallyRow;
 use super::{Check, CheckStatus, limit_scope};
 use rockproof_differential::finding::Cause;
 use rockproof_model::text::noun;

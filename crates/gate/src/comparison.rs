@@ -5,7 +5,8 @@ mod tests;
 
 use super::CONFIDENCE;
 use super::known_findings::ClassGrowth;
-use super::tally::{CampaignTally, ClassCount, TallyRow};
+use super::tally::{CampaignTally, ClassCount};
+use super::tally_row::TallyRow;
 use rockproof_differential::lockstep::Intrusion;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};

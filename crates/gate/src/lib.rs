@@ -10,6 +10,7 @@ pub mod limit_count;
 pub mod limit_scope;
 mod possible_findings;
 pub mod tally;
+pub mod tally_row;
 
 use config::{FindingLimit, GateConfig, RECOVERED, line_of};
 use rockproof_model::text::noun;

@@ -25,7 +25,7 @@ fn tally(gaps: &[u64], others: &[u64]) -> CampaignTally {
 
 fn compare(before: &CampaignTally, after: &CampaignTally, same_pairs: Option<u64>) -> Vec<(String, Trend)> {
     let engines = BTreeSet::from(["stepper-f32".to_owned()]);
-    let same_pairs = same_pairs.map(|pairs| vec![0..pairs]);
+    let same_pairs = same_pairs.map(|pairs| std::iter::once(0..pairs).collect());
     let found = FindingComparison::of(before, after, &Comparable { same_pairs, engines });
     found.classes.into_iter().map(|class| (class.class.change, class.trend)).collect()
 }
@@ -66,6 +66,9 @@ fn over_other_pairs_a_difference_must_be_no_chance() {
 #[test]
 fn who_takes_part_in_one_run_alone_is_left_out() {
     let (before, after) = (tally(&[], &[]), tally(&[3], &[]));
-    let comparable = Comparable { same_pairs: Some(vec![0..1000]), engines: BTreeSet::from(["mine".to_owned()]) };
+    let comparable = Comparable {
+        same_pairs: Some(std::iter::once(0..1000).collect()),
+        engines: BTreeSet::from(["mine".to_owned()]),
+    };
     assert!(FindingComparison::of(&before, &after, &comparable).classes.is_empty());
 }
