@@ -15,27 +15,31 @@ pub(crate) fn engine_names(config: &CampaignConfig) -> impl Iterator<Item = &str
     config.engines.iter().map(String::as_str).chain(external)
 }
 
-/// Whether there is anything of a kind that `--deny` names, or an engine of those that must have been compared answered nothing, or an external one less than half: where nothing was compared
-/// nothing can be found, which must not pass a check.
+/// Whether there is anything of a kind that `--deny` names. Where an engine of those `compared` answered nothing, or an external one less than half, nothing
+/// could be found, which must not pass for success either.
 pub(crate) fn denied(kinds: &[String], compared: &[&str], progress: &CampaignProgress) -> ExitStatus {
     if kinds.is_empty() {
         return ExitStatus::Passed;
     }
     let mut all_compared = true;
     for engine in compared {
-        let [asked, answered] = progress.agreement.asked_and_answered(engine);
-        // Pairs that make steps alone are compared by these.
-        if asked == 0 && !progress.steps.is_empty() {
+        let answers = progress.agreement.answers(engine);
+        let is_external = progress.engines.contains_key(*engine);
+        let steps_alone = answers.asked == 0 && !progress.steps.is_empty();
+        // Of pairs that make steps alone built-in engines are compared by these.
+        if steps_alone && !is_external {
             continue;
         }
         // As a gate asks of external engines. A built-in one may have no answer where rounding makes blocks degenerate.
-        let is_external = progress.engines.contains_key(*engine);
-        if answered == 0 || is_external && answered < asked - answered {
+        if answers.answered == 0 || is_external && answers.are_too_few() {
             all_compared = false;
-            let what = match (asked, answered) {
+            let what = match (answers.asked, answers.answered) {
+                (0, _) if steps_alone => {
+                    "was asked about no pair, since they make steps alone, so nothing was compared".to_owned()
+                }
                 (0, _) => "was asked about no pair, since none survives rounding, so nothing was compared".to_owned(),
-                (_, 0) => format!("answered none of {asked} pairs, so nothing was compared"),
-                _ => format!("answered {answered} of {asked} pairs, less than half, so next to nothing was compared"),
+                (_, 0) => format!("{}, so nothing was compared", answers.words()),
+                _ => format!("{}, less than half, so next to nothing was compared", answers.words()),
             };
             print_note(&format!("denied: {engine} {what}"));
         }

@@ -3,6 +3,7 @@
 
 use super::agreement_record::{AgreementRecord, RecordedRow};
 use super::row::{named, written};
+use rockproof_model::text::noun;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
@@ -71,6 +72,50 @@ impl AgreementCounts {
         self.agreeing_squared += other.agreeing_squared;
         self.agreeing_times_pairs += other.agreeing_times_pairs;
         self.pairs_squared += other.pairs_squared;
+    }
+}
+
+/// How many pairs an engine answered; a pair counts once for each tolerance set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EngineAnswers {
+    /// Pairs that it answered.
+    pub answered: u64,
+    /// Pairs that it was asked about.
+    pub asked: u64,
+    /// Pairs whose contacts it named; of the others that it answered it said only how the blocks lie.
+    pub with_contacts: u64,
+}
+
+impl EngineAnswers {
+    /// Adds the answers to other pairs.
+    pub fn add(&mut self, other: EngineAnswers) {
+        self.answered += other.answered;
+        self.asked += other.asked;
+        self.with_contacts += other.with_contacts;
+    }
+
+    /// Adds what a row of `agreement.csv` says of the engine: its pairs, and those without an answer.
+    pub fn add_row(&mut self, span: ChainSpan, [pairs, silent]: [u64; 2]) {
+        let answered = pairs.saturating_sub(silent);
+        match span {
+            ChainSpan::Arithmetic => {
+                self.asked += pairs;
+                self.answered += answered;
+            }
+            // Only contacts are compared along the whole chain.
+            ChainSpan::Whole => self.with_contacts += answered,
+            ChainSpan::Tolerance | ChainSpan::Representation => {}
+        }
+    }
+
+    /// Whether it answered less than half: what was compared then says next to nothing.
+    pub fn are_too_few(self) -> bool {
+        self.answered < self.asked - self.answered
+    }
+
+    /// How many it answered, in words.
+    pub fn words(self) -> String {
+        format!("answered {} of {} {}", self.answered, self.asked, noun(self.asked, "pair", "pairs"))
     }
 }
 
@@ -196,13 +241,13 @@ pub struct ConfusionRow {
 }
 
 impl Agreement {
-    /// The pairs that an engine was asked about and those that it answered; a pair counts once for each tolerance set.
-    pub fn asked_and_answered(&self, engine: &str) -> [u64; 2] {
-        let of_engine = |((_, key), counts): (&(String, ComparisonKey), &AgreementCounts)| {
-            (key.span == ChainSpan::Arithmetic && key.engine == engine)
-                .then_some([counts.pairs, counts.pairs.saturating_sub(counts.silent)])
-        };
-        self.counts.iter().filter_map(of_engine).fold([0, 0], |[asked, answered], [a, b]| [asked + a, answered + b])
+    /// What an engine was asked and answered.
+    pub fn answers(&self, engine: &str) -> EngineAnswers {
+        let mut answers = EngineAnswers::default();
+        for ((_, key), counts) in self.counts.iter().filter(|((_, key), _)| key.engine == engine) {
+            answers.add_row(key.span, [counts.pairs, counts.silent]);
+        }
+        answers
     }
 
     /// Adds the counts of `other`.

@@ -8,32 +8,7 @@ use rockproof_differential::finding::Cause;
 use rockproof_model::text::noun;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What an external engine answered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Answers {
-    /// Pairs that it answered; a pair counts once for each tolerance set.
-    pub answered: u64,
-    /// Pairs that it was asked about.
-    pub asked: u64,
-    /// Pairs whose contacts it named; of the others that it answered it said only how the blocks lie.
-    pub with_contacts: u64,
-}
-
-impl Answers {
-    /// Adds the answers to other pairs.
-    pub fn add(&mut self, other: Answers) {
-        self.answered += other.answered;
-        self.asked += other.asked;
-        self.with_contacts += other.with_contacts;
-    }
-
-    /// How many it answered, in words.
-    pub fn words(&self) -> String {
-        format!("answered {} of {} {}", self.answered, self.asked, noun(self.asked, "pair", "pairs"))
-    }
-}
-
-/// A check for each external engine: that it answered no less than half of the pairs, and that a limit, the baseline or a case of the corpus, whose engines are
+/// A check for each external engine: that it was asked about pairs and answered no less than half of them, and that a limit, the baseline or a case of the corpus, whose engines are
 /// given, is about what it answers; `limits` are the checks of [`limits`](super::limits), of which those skipped do not count. `run` names the campaign,
 /// `file` the gate file.
 pub fn checks(
@@ -50,10 +25,10 @@ pub fn checks(
         let answers = tally.answers(name);
         let mut checked = config.limit.iter().zip(limits).filter(|(_, check)| check.status != CheckStatus::Skip);
         let is_limited = checked.any(|(limit, _)| limit_scope::concerns(limit.get_ref(), spec, &answers));
-        // Limits count what was answered: where that is the smaller part, they say next to nothing.
-        let silent = answers.answered < answers.asked - answers.answered;
+        let silent = answers.are_too_few();
         let (status, message) = if answers.asked == 0 {
-            (CheckStatus::Skip, "no pair survived rounding, so it was asked about none".to_owned())
+            let why = "no pair survived rounding, or the families make steps alone";
+            (CheckStatus::Fail, format!("was asked about no pair: {why}"))
         } else if silent {
             let (asked, failures) = (answers.asked, failures(tally, name));
             let words = match answers.answered {

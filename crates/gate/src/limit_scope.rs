@@ -1,10 +1,10 @@
 //! What limits are about: whether the campaign of a gate can find anything of it, and whom it concerns.
 
-use super::answers::Answers;
 use super::config::{FindingLimit, GateConfig, line_of};
 use super::possible_findings;
 use rockproof_campaign::source::FamilySource;
 use rockproof_campaign::steps::{self, PASSAGE, StepChange};
+use rockproof_differential::agreement::EngineAnswers;
 use rockproof_differential::builtin;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::external::EngineSpec;
@@ -48,6 +48,9 @@ fn out_of_reach(limit: &FindingLimit, config: &GateConfig, source: &FamilySource
     if let (Some(change), 0) = (metamorphic, campaign.metamorphic_every) {
         return Some(format!("no pair is changed to look for \"{change}\" (campaign.metamorphic_every is 0)"));
     }
+    if limit.change.as_deref() == Some(AnswerChange::Unstable.name()) && !campaign.ask_twice {
+        return Some("no pair is asked about twice (campaign.ask_twice is false)".to_owned());
+    }
     let families = source.families();
     if let Some(family) = limit.family.as_ref().filter(|name| !families.contains(&name.as_str())) {
         return Some(format!("family {family} is none of its families, which are {}", families.join(", ")));
@@ -86,7 +89,8 @@ pub(crate) fn without_cause(limit: &FindingLimit, config: &GateConfig) -> Option
             return Some(format!("only external engines have this change, and {why}"));
         }
     }
-    if let Some(name) = limit.engine.as_deref().filter(|name| limit.is_of_steps() && external(name)) {
+    let of_steps = limit.is_of_steps() || limit.family.as_deref() == Some(PASSAGE);
+    if let Some(name) = limit.engine.as_deref().filter(|name| of_steps && external(name)) {
         return Some(format!("built-in engines alone make steps, and {name} is an external engine"));
     }
     if let Some(name) = limit.engine.as_deref().filter(|name| shared(name)) {
@@ -98,6 +102,10 @@ pub(crate) fn without_cause(limit: &FindingLimit, config: &GateConfig) -> Option
         if let Some(what) = what {
             return Some(format!("findings of this {what} are about one engine, by its name, not about {name}"));
         }
+    }
+    let of_precision = change.is_some_and(possible_findings::is_of_one_precision);
+    if let Some(name) = limit.engine.as_deref().filter(|name| of_precision && !["f32", "f64"].contains(name)) {
+        return Some(format!("findings of this change are about f32 or f64, not about {name}"));
     }
     match (cause, limit.engine.as_deref()) {
         (Some(Cause::Arithmetic | Cause::Defect), Some(name)) if external(name) => {
@@ -112,6 +120,9 @@ pub(crate) fn without_cause(limit: &FindingLimit, config: &GateConfig) -> Option
         (Some(Cause::Engine), _) if campaign.external.is_empty() => {
             Some("only findings about external engines have this cause, and none takes part".to_owned())
         }
+        (Some(Cause::Representation), Some("any")) => {
+            Some("findings of this cause are about f32 or f64, not about any engine".to_owned())
+        }
         (Some(Cause::Tolerance | Cause::Representation), Some(name)) if !shared(name) && !limit.is_of_intrusions() => {
             Some(format!("findings of this cause are about any engine, f32 or f64, not about {name}"))
         }
@@ -121,7 +132,7 @@ pub(crate) fn without_cause(limit: &FindingLimit, config: &GateConfig) -> Option
 
 /// Whether a limit can be broken by what an external engine answers, of which `answers` are known. One on crashes, say, cannot: whatever the engine answers,
 /// it answers. Nor can one on missing contacts where the engine names none.
-pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec, answers: &Answers) -> bool {
+pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec, answers: &EngineAnswers) -> bool {
     let change = limit.change.as_deref().and_then(AnswerChange::from_name);
     let of_contacts = limit.kind.is_some() || change.is_some_and(AnswerChange::is_of_contacts);
     let of_states = change.is_some_and(AnswerChange::is_of_states);
@@ -132,6 +143,7 @@ pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec, answers: &Answ
         && (!of_states || answers.with_contacts < answers.answered)
         && !limit.is_of_recovered()
         && !limit.is_of_steps()
+        && limit.family.as_deref() != Some(PASSAGE)
 }
 
 impl FindingLimit {

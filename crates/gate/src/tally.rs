@@ -3,7 +3,6 @@
 #[cfg(test)]
 mod tests;
 
-use super::answers::Answers;
 use super::config::{Baseline, FindingLimit};
 use super::limit_count::LimitCount;
 use super::tally_row::{TallyRow, of_set};
@@ -11,7 +10,7 @@ use rockproof_campaign::engine_counts::{ENGINE_COLUMNS, ENGINES, EngineRow};
 use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::steps::{STEP_FINDING_COLUMNS, STEP_SUMMARY_COLUMNS, StepSummaryRow};
 use rockproof_campaign::summary::{SUMMARY_COLUMNS, SummaryRow};
-use rockproof_differential::agreement::{AGREEMENT_COLUMNS, ChainSpan};
+use rockproof_differential::agreement::{AGREEMENT_COLUMNS, ChainSpan, EngineAnswers};
 use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_differential::row::typed_rows;
 use rockproof_model::files::open_table;
@@ -55,7 +54,7 @@ pub struct CampaignTally {
     /// What external engines were put through.
     pub engines: Vec<EngineRow>,
     /// Pairs that each engine was asked about and answered.
-    answers: BTreeMap<String, Answers>,
+    answers: BTreeMap<String, EngineAnswers>,
 }
 
 /// How often a sort of finding occurred.
@@ -120,7 +119,7 @@ impl CampaignTally {
     }
 
     /// The pairs that an engine was asked about and answered.
-    pub fn answers(&self, engine: &str) -> Answers {
+    pub fn answers(&self, engine: &str) -> EngineAnswers {
         self.answers.get(engine).copied().unwrap_or_default()
     }
 
@@ -248,19 +247,12 @@ struct AnswerRow {
 }
 
 /// What engines answered.
-fn answers(file: &Path) -> Result<BTreeMap<String, Answers>, TallyError> {
-    let mut answers: BTreeMap<String, Answers> = BTreeMap::new();
+fn answers(file: &Path) -> Result<BTreeMap<String, EngineAnswers>, TallyError> {
+    let mut answers: BTreeMap<String, EngineAnswers> = BTreeMap::new();
     for AnswerRow { span, engine, pairs, silent } in table(file, &AGREEMENT_COLUMNS)? {
-        let answered = pairs.saturating_sub(silent);
-        match span {
-            ChainSpan::Arithmetic => {
-                let of = answers.entry(engine).or_default();
-                of.asked += pairs;
-                of.answered += answered;
-            }
-            // Only contacts are compared along the whole chain.
-            ChainSpan::Whole => answers.entry(engine).or_default().with_contacts += answered,
-            _ => {}
+        // Those of spans that no engine takes part in are of a precision.
+        if matches!(span, ChainSpan::Arithmetic | ChainSpan::Whole) {
+            answers.entry(engine).or_default().add_row(span, [pairs, silent]);
         }
     }
     Ok(answers)
