@@ -31,23 +31,6 @@ impl LevelCounts {
         ]
     }
 
-    /// Adds one sign to a level, counted from the cheapest.
-    pub(crate) fn add_one(&mut self, level: usize) {
-        match level {
-            0 => self.float += 1,
-            1 => self.ball += 1,
-            2 => self.i128 += 1,
-            3..6 => self.fixed[level - 3] += 1,
-            _ => self.heap += 1,
-        }
-    }
-
-    /// The first level that has decided more signs here than there, counted as by [`LevelCounts::add_one`].
-    pub(crate) fn first_beyond(&self, other: &LevelCounts) -> Option<usize> {
-        let all = |c: &LevelCounts| [c.float, c.ball, c.i128, c.fixed[0], c.fixed[1], c.fixed[2], c.heap];
-        all(self).into_iter().zip(all(other)).position(|(mine, theirs)| mine > theirs)
-    }
-
     /// All signs decided.
     pub fn total(&self) -> u64 {
         self.by_name().iter().map(|(_, count)| count).sum()
@@ -69,18 +52,6 @@ impl AddAssign for LevelCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn one_more_is_found_at_its_level() {
-        for level in 0..7 {
-            let before = LevelCounts { float: 1, ball: 2, i128: 3, fixed: [4, 5, 6], heap: 7 };
-            let mut after = before;
-            assert_eq!(after.first_beyond(&before), None);
-            after.add_one(level);
-            assert_eq!(after.first_beyond(&before), Some(level));
-            assert_eq!(after.total(), before.total() + 1);
-        }
-    }
 
     #[test]
     fn counts_add_up_level_by_level() {

@@ -1,8 +1,8 @@
 //! A pair of blocks, and its exact vectors for when f64 cannot decide.
 
-use crate::edge_products::EdgeProducts;
 use crate::field::DoubleBall;
-use crate::number::{Approx, Bits, Fixed, Int128, Magnitude, larger};
+use crate::number::{Bits, Fixed, Int128, Magnitude};
+use crate::own_lattice::{OwnLattice, SMALL_BITS};
 use crate::prepared_block::PreparedBlock;
 use crate::trace::Recordings;
 use crate::view::{ExactBlock, ExactPair};
@@ -36,7 +36,6 @@ pub struct Pair<'s> {
     int1024: Made<'s, Int1024>,
     heap: Made<'s, BigInt>,
     magnitudes: OnceCell<Box<MagnitudePairs<'s>>>,
-    pub(crate) edge_products: EdgeProducts,
     pub(crate) recordings: Recordings,
 }
 
@@ -112,66 +111,44 @@ impl<T: FromUnits> FromUnits for Magnitude<T> {
     }
 }
 
-/// Widest lattice coordinate kept as i128, so that differences stay within it.
-const SMALL_BITS: u32 = 120;
-
 impl PairLattice {
     fn new(a: &PreparedBlock, b: &PreparedBlock) -> PairLattice {
-        PairLattice::of_floats(a, b).unwrap_or_else(|| PairLattice::of_numbers(a, b))
+        PairLattice::of_own(a, b).unwrap_or_else(|| PairLattice::of_numbers(a, b))
     }
 
-    /// Where f64 holds all coordinates, and 63 bits hold them on the lattice.
-    fn of_floats(a: &PreparedBlock, b: &PreparedBlock) -> Option<PairLattice> {
-        const FAR: i32 = 900;
-        let place = a.place?.min(b.place?);
-        let scale = (-FAR..=FAR).contains(&place).then(|| power_of_two(-place))?;
-        let prepared = [a, b];
-        let corners = prepared.into_iter().flat_map(|s| s.box_min.into_iter().chain(s.box_max));
-        // Scaled by a power of two they are integers and nothing is rounded.
-        let held = corners.fold(0.0, |most, c| larger(most, c.abs())) * scale < (1u64 << 62) as f64;
-        if !held {
-            return None;
-        }
-        let units = |v: &Vec3<Approx>| v.map(|c| (c.0 * scale) as i64);
-        let origin = units(&a.vertices[0]);
+    /// From the lattice of each block, where 120 bits hold their vertices on the common one.
+    fn of_own(a: &PreparedBlock, b: &PreparedBlock) -> Option<PairLattice> {
+        let [a, b] = [a.own_lattice()?, b.own_lattice()?];
+        let (lattice, factors) = Lattice::common([&a.lattice, &b.lattice], SMALL_BITS)?;
+        let [(first_a, step_a), (first_b, step_b)] = [a.scaled(factors[0])?, b.scaled(factors[1])?];
         let mut bits = 0;
-        let units = prepared.map(|one| {
-            let relative = |v: &Vec3<Approx>| {
-                let at = units(v);
-                let from_origin = [at.x - origin.x, at.y - origin.y, at.z - origin.z];
-                from_origin.iter().for_each(|c| bits |= c.unsigned_abs());
-                let [x, y, z] = from_origin.map(i128::from);
-                Vec3::new(x, y, z)
+        let mut of_block = |own: &OwnLattice, step: i128, first: Vec3<i128>| -> Vec<Vec3<i128>> {
+            let from_origin = |v: &Vec3<i128>| {
+                let at = Vec3::new(first.x + v.x * step, first.y + v.y * step, first.z + v.z * step);
+                // The highest digit of all.
+                bits |= at.x.unsigned_abs() | at.y.unsigned_abs() | at.z.unsigned_abs();
+                at
             };
-            one.vertices.iter().map(relative).collect::<Vec<_>>()
-        });
-        let bits = Bits(u64::BITS - bits.leading_zeros());
-        Some(PairLattice { lattice: Lattice::of_power_of_two(-place), bits, units: LatticeVertices::Small(units) })
+            own.vertices.iter().map(from_origin).collect()
+        };
+        let apart = Vec3::new(first_b.x - first_a.x, first_b.y - first_a.y, first_b.z - first_a.z);
+        let units = [of_block(a, step_a, Vec3::new(0, 0, 0)), of_block(b, step_b, apart)];
+        Some(PairLattice {
+            lattice,
+            bits: Bits(u128::BITS - bits.leading_zeros()),
+            units: LatticeVertices::Small(units),
+        })
     }
 
     fn of_numbers(a: &PreparedBlock, b: &PreparedBlock) -> PairLattice {
-        let points = a.block.vertices().iter().chain(b.block.vertices());
-        if let Some((lattice, mut units)) = Lattice::covering_points(points, SMALL_BITS) {
-            let origin = units[0];
-            let mut bits = 0;
-            for v in &mut units {
-                *v = Vec3::new(v.x - origin.x, v.y - origin.y, v.z - origin.z);
-                // The highest digit of all.
-                bits |= v.x.unsigned_abs() | v.y.unsigned_abs() | v.z.unsigned_abs();
-            }
-            let of_b = units.split_off(a.block.vertices().len());
-            let bits = Bits(128 - bits.leading_zeros());
-            PairLattice { lattice, bits, units: LatticeVertices::Small([units, of_b]) }
-        } else {
-            let lattice = Lattice::covering(a.block.coordinates().chain(b.block.coordinates()));
-            let prepared = [a, b];
-            let all = prepared
-                .map(|s| s.block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect::<Vec<Vec3<BigInt>>>());
-            let origin = all[0][0].clone();
-            let units = all.map(|vertices| vertices.iter().map(|v| v.minus(&origin)).collect::<Vec<_>>());
-            let widest = units.iter().flatten().flat_map(|v| [v.x.bits(), v.y.bits(), v.z.bits()]).max();
-            PairLattice { lattice, bits: Bits(widest.unwrap_or(0) as u32), units: LatticeVertices::Big(units) }
-        }
+        let lattice = Lattice::covering(a.block.coordinates().chain(b.block.coordinates()));
+        let prepared = [a, b];
+        let all = prepared
+            .map(|s| s.block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect::<Vec<Vec3<BigInt>>>());
+        let origin = all[0][0].clone();
+        let units = all.map(|vertices| vertices.iter().map(|v| v.minus(&origin)).collect::<Vec<_>>());
+        let widest = units.iter().flatten().flat_map(|v| [v.x.bits(), v.y.bits(), v.z.bits()]).max();
+        PairLattice { lattice, bits: Bits(widest.unwrap_or(0) as u32), units: LatticeVertices::Big(units) }
     }
 
     fn vertices<T: FromUnits>(&self, side: Side) -> Vec<Vec3<T>> {
@@ -198,7 +175,6 @@ impl<'s> Pair<'s> {
             int1024: OnceCell::new(),
             heap: OnceCell::new(),
             magnitudes: OnceCell::new(),
-            edge_products: EdgeProducts::default(),
             recordings: Recordings::default(),
         }
     }
@@ -293,19 +269,21 @@ mod tests {
         }
     }
 
-    /// Blocks in numbers that f64 holds, of few digits and of many, near and far.
+    /// Blocks of few digits and of many, near and far, in fractions or not.
     #[test]
-    fn the_lattice_of_floats_is_that_of_numbers() {
+    fn the_lattice_of_two_blocks_is_that_of_all_their_numbers() {
         use rockproof_model::{Block, Number};
         let mut dice = crate::soundness::Dice(3);
         let (mut short, mut long) = (0, 0);
         for round in 0..400 {
             let mut cuboid = || {
-                let (digits, shift) = (1 + dice.below(52), dice.below(40) as i32 - 20);
+                let (digits, shift) = (1 + dice.below(52), dice.below(120) as i32 - 60);
                 let far = [0.0, 0.0, 1.0, 1e6][dice.below(4) as usize];
+                let part = [(1, 1), (1, 1), (1, 3), (2, 15)][dice.below(4) as usize];
+                let part = Number::from_rational(num_rational::BigRational::new(part.0.into(), part.1.into()));
                 let mut coordinate = |least: u64| {
                     let value = ((1 << digits) * least + dice.below(1 << digits)) as f64 + far;
-                    Number::from_f64(value * power_of_two(shift)).unwrap()
+                    Number::from_f64(value * power_of_two(shift)).unwrap().times(&part)
                 };
                 let mut corner = |least| Vec3::new(coordinate(least), coordinate(least), coordinate(least));
                 let (low, high) = (corner(0), corner(1));
@@ -313,7 +291,7 @@ mod tests {
             };
             let (a, b) = (cuboid(), cuboid());
             let plainly = PairLattice::of_numbers(&a, &b);
-            let Some(found) = PairLattice::of_floats(&a, &b) else {
+            let Some(found) = PairLattice::of_own(&a, &b) else {
                 long += 1;
                 continue;
             };
@@ -323,7 +301,7 @@ mod tests {
                 assert_eq!(found.vertices::<BigInt>(side), plainly.vertices::<BigInt>(side), "round {round}, {side:?}");
             }
         }
-        assert!(short > 100 && long > 20, "{short} held by 62 bits, {long} not");
+        assert!(short > 100 && long > 20, "{short} held by 120 bits, {long} not");
     }
 
     #[test]

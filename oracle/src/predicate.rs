@@ -42,6 +42,8 @@ pub(crate) trait Polynomial {
     const DEGREE: usize;
     /// Whether it is made of vectors within one block or the other alone: then how far the blocks are apart does not make it less sure.
     const WITHIN_BLOCKS: bool = false;
+    /// Whether balls are asked: not where they hardly ever tell more than what is asked before.
+    const IN_BALLS: bool = true;
     /// Whether balls of two f64 are asked before integers: where values near zero are near-ties more often than ties, and integers long.
     const IN_DOUBLE: bool = false;
     /// What the value in lattice units is multiplied by besides, since tolerances are integers over a denominator there.
@@ -50,6 +52,10 @@ pub(crate) trait Polynomial {
     fn variant(&self) -> usize;
     /// The value; only its sign means anything.
     fn value<V: View>(&self, view: &V) -> V::T;
+    /// An edge of A and one of B whose being parallel makes the value zero under these tolerances, if there are any.
+    fn zero_where_parallel(&self, _tolerances: &ToleranceSet) -> Option<(EdgeId, EdgeId)> {
+        None
+    }
     /// The product of an edge and a normal that tells this sign, if there is one.
     fn as_edge_along_normal(&self, _pair: &Pair<'_>) -> Option<AsEdgeAlongNormal> {
         None

@@ -1,11 +1,13 @@
 //! A block made ready for the oracle: approximate vectors with proved error bounds, computed once.
 
 use crate::number::{Approx, Bound, UNDERFLOW, UNIT_ROUNDOFF, larger, smaller};
+use crate::own_lattice::OwnLattice;
 use crate::planar::Planar;
 use rockproof_model::block::face_normal;
 use rockproof_model::number::split_f64;
 use rockproof_model::topology::Edge;
 use rockproof_model::{Block, FaceId, Ring, Vec3, VertexId};
+use std::sync::OnceLock;
 
 /// A block with the f64 vectors its predicates start from, and how far those can be from the exact ones.
 ///
@@ -19,14 +21,13 @@ pub struct PreparedBlock {
     pub(crate) faces: Vec<PreparedFace>,
     pub(crate) box_min: [f64; 3],
     pub(crate) box_max: [f64; 3],
-    /// The largest k such that all coordinates are multiples of `2^k`, where f64 holds them all.
-    pub(crate) place: Option<i32>,
     pub(crate) errors: VectorErrors,
     longest_loop: usize,
     /// Bounds the distance of a face's vertices from its plane.
     pub(crate) bulge: f64,
     /// For each axis the vertices with the least and the greatest coordinate, exactly.
     pub(crate) extremes: [(VertexId, VertexId); 3],
+    own_lattice: OnceLock<Option<Box<OwnLattice>>>,
 }
 
 /// An edge of a prepared block.
@@ -138,8 +139,8 @@ impl PreparedBlock {
             faces,
             box_min,
             box_max,
-            place,
             bulge: 0.0,
+            own_lattice: OnceLock::new(),
         };
         let VectorErrors { inward, direction, .. } = prepared.errors;
         let bound = Vec3::new(inward, inward, inward).dot(&Vec3::new(direction, direction, direction)).error;
@@ -153,6 +154,12 @@ impl PreparedBlock {
     /// The block itself.
     pub fn block(&self) -> &Block {
         &self.block
+    }
+
+    /// The block as integers; `None` where they have too many digits.
+    #[inline]
+    pub(crate) fn own_lattice(&self) -> Option<&OwnLattice> {
+        self.own_lattice.get_or_init(|| OwnLattice::of(&self.block).map(Box::new)).as_deref()
     }
 
     /// Whether every corner of a face certainly turns left: `m_k · d_{k+1} > 0` beyond its error.

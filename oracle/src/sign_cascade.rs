@@ -5,6 +5,7 @@ mod margins;
 mod parts;
 mod planes;
 
+pub(crate) use integer_width::bits_within;
 pub(crate) use margins::Margins;
 pub(crate) use parts::Parts;
 
@@ -116,6 +117,13 @@ impl<'p, 's> SignCascade<'p, 's> {
         self.unit_bounds.get(P::FIRST_SLOT + variant) * self.size_powers.of::<P>()
     }
 
+    /// [`SignCascade::bound_of`], worked out if nobody has.
+    #[inline(always)]
+    fn known_bound<P: Polynomial>(&self, polynomial: &P) -> f64 {
+        let bound = self.bound_of::<P>(polynomial.variant());
+        if bound.is_nan() { self.find_unit_bound(polynomial) } else { bound }
+    }
+
     /// The exact sign of a polynomial.
     #[inline(always)]
     pub(crate) fn sign<P: Polynomial>(&mut self, polynomial: &P) -> Sign {
@@ -123,34 +131,23 @@ impl<'p, 's> SignCascade<'p, 's> {
         self.sign_of_value(polynomial, value)
     }
 
-    /// The sign where f64 tells it by a bound known beforehand, else the value in f64.
-    #[inline(always)]
-    fn float_sign<P: Polynomial>(&mut self, polynomial: &P) -> Result<Sign, f64> {
-        let value = polynomial.value(&self.float_view()).0;
-        self.sign_by_bound(polynomial, value)
-    }
-
     /// The exact sign of a polynomial that has this value in f64, calculated as [`Polynomial::value`] does.
     #[inline(always)]
     pub(crate) fn sign_of_value<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Sign {
-        self.sign_by_bound(polynomial, value).unwrap_or_else(|value| self.careful_sign(polynomial, value))
-    }
-
-    #[inline(always)]
-    fn sign_by_bound<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Result<Sign, f64> {
         let bound = self.bound_of::<P>(polynomial.variant());
+        // As `sign_beyond`, in fewer instructions.
         if value > bound {
             self.levels.float += 1;
-            Ok(Sign::Positive)
+            Sign::Positive
         } else if value < -bound {
             self.levels.float += 1;
-            Ok(Sign::Negative)
+            Sign::Negative
         } else {
-            Err(value)
+            self.careful_sign(polynomial, value)
         }
     }
 
-    /// Works out the bound that holds for all pairs of unit size.
+    /// Works out the bound that holds for all pairs of unit size, and returns that of this pair.
     #[cold]
     #[inline(never)]
     fn find_unit_bound<P: Polynomial>(&self, polynomial: &P) -> f64 {
@@ -158,7 +155,7 @@ impl<'p, 's> SignCascade<'p, 's> {
         let view = BoundView::of_unit_size(self.pair.a, self.pair.b, longest_loop, coordinate);
         let bound = polynomial.value(&view).error * INFLATION;
         self.unit_bounds.set(P::FIRST_SLOT + polynomial.variant(), bound);
-        bound
+        self.bound_of::<P>(polynomial.variant())
     }
 
     /// Goes on with the values themselves: by a shorter polynomial where there is one, as balls, then exactly.
@@ -167,14 +164,11 @@ impl<'p, 's> SignCascade<'p, 's> {
     fn careful_sign<P: Polynomial>(&mut self, polynomial: &P, value: f64) -> Sign {
         let slot = P::FIRST_SLOT + polynomial.variant();
         let (pair, tolerances) = (self.pair, self.tolerances);
-        if self.unit_bounds.get(slot).is_nan() {
-            let bound = self.find_unit_bound(polynomial);
-            if value.abs() > bound * self.size_powers.of::<P>() {
-                self.levels.float += 1;
-                return if value > 0.0 { Sign::Positive } else { Sign::Negative };
-            }
+        let mut bound = self.known_bound(polynomial);
+        if let Some(sign) = sign_beyond(value, bound) {
+            self.levels.float += 1;
+            return sign;
         }
-        let mut bound = self.bound_of::<P>(polynomial.variant());
         // Where no unit bound applies, those of this very pair do. Otherwise a ball is as cheap, and sharper.
         if !self.size_powers.apply() {
             self.careful_stages.get_or_init(Box::default);
@@ -187,16 +181,25 @@ impl<'p, 's> SignCascade<'p, 's> {
                     careful_stages.bounds[slot] = if bound.is_nan() { f64::INFINITY } else { bound };
                 }
                 bound = careful_stages.bounds[slot];
-                if value.abs() > bound {
+                if let Some(sign) = sign_beyond(value, bound) {
                     self.levels.float += 1;
-                    return if value > 0.0 { Sign::Positive } else { Sign::Negative };
+                    return sign;
                 }
             }
         }
-        if let Some(AsEdgeAlongNormal { edge, face, turn, in_plane }) = polynomial.as_edge_along_normal(pair)
-            && in_plane.is_none_or(|edge| self.lies_in_plane(edge, face))
+        if let Some(AsEdgeAlongNormal { edge, face, turn, in_plane }) = polynomial.as_edge_along_normal(pair) {
+            if in_plane.is_none_or(|edge| self.lies_in_plane(edge, face)) {
+                return self.edge_along_normal(edge, face).times(turn);
+            }
+            if let Some(sign) = self.on_own_lattices(edge, face, in_plane, Ball { middle: value, radius: bound }) {
+                return sign.times(turn);
+            }
+        }
+        if let Some((edge_a, edge_b)) = polynomial.zero_where_parallel(tolerances)
+            && self.edges_are_parallel(edge_a, edge_b)
         {
-            return self.edge_along_normal(edge, face).times(turn);
+            self.levels.i128 += 1;
+            return Sign::Zero;
         }
         let gaps = polynomial.ties_with(tolerances);
         if let Some(gaps) = &gaps
@@ -221,8 +224,8 @@ impl<'p, 's> SignCascade<'p, 's> {
             floats: self.float_view(),
             scales: LazyScales { made: &self.balls, make: &|| Scales::balls(tolerances) },
         };
-        let ball = polynomial.value(&balls);
-        if let Some(sign) = ball.certain_sign() {
+        let ball = P::IN_BALLS.then(|| polynomial.value(&balls));
+        if let Some(sign) = ball.and_then(Ball::certain_sign) {
             self.levels.ball += 1;
             return sign;
         }
@@ -240,7 +243,7 @@ impl<'p, 's> SignCascade<'p, 's> {
             }
             self.bits_of_double::<P>(&ball)
         } else {
-            self.bits_of_ball::<P>(ball)
+            ball.and_then(|ball| self.bits_of_ball::<P>(ball))
         };
         match enclosed {
             // An integer below 1.
@@ -294,6 +297,18 @@ impl<'p, 's> SignCascade<'p, 's> {
                 integer_sign(polynomial, pair.heap(), scales)
             }
         }
+    }
+}
+
+/// The sign of a value that is off by at most `bound`, where that is certain: of nothing that is no number.
+#[inline(always)]
+fn sign_beyond(value: f64, bound: f64) -> Option<Sign> {
+    if value > bound {
+        Some(Sign::Positive)
+    } else if value < -bound {
+        Some(Sign::Negative)
+    } else {
+        None
     }
 }
 

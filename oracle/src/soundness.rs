@@ -25,6 +25,7 @@ mod definite;
 mod edge_in_plane;
 mod integer_width;
 mod limits;
+mod own_lattice;
 mod parts;
 mod places;
 mod planes;

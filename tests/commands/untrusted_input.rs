@@ -226,9 +226,9 @@ fn messages_cut_long_values() {
     let around = |text: &str| format!("corpus = []\n[campaign]\npairs = 16\n{text}");
     for (text, parts) in [
         (around(&format!("families = [\"{long}\"]")), ["family \"xxx", "there are "]),
-        (around(&format!("[[limit]]\ncount = 0\nengine = \"{long}\"")), ["limit: engine is \"xxx", "allowed are any"]),
+        (around(&format!("[[limit]]\ncount = 0\nengine = \"{long}\"")), ["line 4: engine is \"xxx", "allowed are any"]),
         (around(&format!("[[limit]]\ncount = 0\ncause = \"{long}\"")), ["line 4: cause is \"xxx", "allowed are "]),
-        (around(&format!("[[limit]]\ncount = 0\nfamily = \"{long}\"")), ["limit: family \"xxx", "there are "]),
+        (around(&format!("[[limit]]\ncount = 0\nfamily = \"{long}\"")), ["line 4: family \"xxx", "there are "]),
         (
             around(&format!("[baseline]\nfile = \"k.toml\"\nfields = [\"{long}\"]")),
             ["baseline.fields: \"xxx", "allowed are family"],

@@ -97,6 +97,19 @@ impl Lattice {
         Some((Lattice { exponent, odd: odd.into(), small_odd: Some(odd) }, units))
     }
 
+    /// The coarsest lattice that holds what either of two holds, and how many units of it one of each of these is, where the odd factors have at most 64
+    /// bits and these numbers at most `bits` (at most 126).
+    pub fn common(lattices: [&Lattice; 2], bits: u32) -> Option<(Lattice, [i128; 2])> {
+        let [Some((odd, _)), Some((other, _))] = lattices.map(Lattice::small_factor) else { return None };
+        let odd = if odd == other { odd } else { (odd / odd.gcd(&other)).checked_mul(other)? };
+        let exponent = lattices[0].exponent.max(lattices[1].exponent);
+        let [one, two] = lattices.map(|lattice| {
+            let (factor, shift) = (i128::from(odd / lattice.small_odd?), (exponent - lattice.exponent) as u32);
+            (i128::BITS - factor.leading_zeros() + shift <= bits).then(|| factor << shift)
+        });
+        Some((Lattice { exponent, odd: odd.into(), small_odd: Some(odd) }, [one?, two?]))
+    }
+
     /// The lattice of the integers.
     pub fn unity() -> Lattice {
         Lattice::of_power_of_two(0)
@@ -196,5 +209,25 @@ mod tests {
         assert_eq!(covering(&numbers, 2), Some((lattice, vec![0, -3])));
         assert_eq!(covering(&numbers[..1], 2), Some((Lattice::unity(), vec![0])));
         assert_eq!(covering(&[ratio(1, (1 << 62) - 1), ratio(1, (1 << 61) - 1)], 126), None);
+    }
+
+    #[test]
+    fn the_common_lattice_holds_what_either_holds() {
+        let ratio = |n: i64, d: i64| Number::from_rational(BigRational::new(n.into(), d.into()));
+        let numbers = [ratio(1, 3), ratio(5, 6), ratio(-1, 15), ratio(3, 8), ratio(1 << 40, 1), ratio(1, 1 << 40)];
+        for one in &numbers {
+            for other in &numbers {
+                let [of_one, of_other] = [one, other].map(|number| Lattice::covering([number]));
+                let (common, [factor, other_factor]) = Lattice::common([&of_one, &of_other], 120).unwrap();
+                assert_eq!(common, Lattice::covering([one, other]));
+                assert_eq!(common.units(one), of_one.units(one) * factor);
+                assert_eq!(common.units(other), of_other.units(other) * other_factor);
+            }
+        }
+        let [fine, coarse] = [&numbers[5], &numbers[4]].map(|number| Lattice::covering([number]));
+        assert_eq!(Lattice::common([&fine, &coarse], 81).map(|found| found.1), Some([1, 1 << 80]));
+        assert_eq!(Lattice::common([&fine, &coarse], 80), None);
+        let [long, longer] = [61, 62].map(|digits| Lattice::covering([&ratio(1, (1 << digits) - 1)]));
+        assert_eq!(Lattice::common([&long, &longer], 120), None);
     }
 }

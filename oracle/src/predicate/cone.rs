@@ -77,7 +77,8 @@ impl Polynomial for EdgeDipDepth {
     }
 }
 
-/// A sign is that of [`EdgeAlongNormal`] of `edge` and `face` times `turn`, provided that `in_plane` lies in the plane of `face`.
+/// A sign is that of [`EdgeAlongNormal`] of `edge` and `face` times `turn`, provided that `in_plane` lies in the plane of `face`; in any case it is that of
+/// `|d|²(e·N) − (d·N)(d·e)` times `turn`, e the direction of `edge` and d that of `in_plane`.
 pub(crate) struct AsEdgeAlongNormal {
     pub(crate) edge: Edge,
     pub(crate) face: Face,

@@ -26,6 +26,9 @@ impl Polynomial for ParallelAngle {
         let allowed = scales.parallel.squared().times(&a.norm_squared()).times(&b.norm_squared());
         allowed.minus(&scales.one.squared().times(&a.cross(&b).norm_squared()))
     }
+    fn zero_where_parallel(&self, tolerances: &ToleranceSet) -> Option<(EdgeId, EdgeId)> {
+        tolerances.parallel_sine.is_zero().then_some((self.edge_a, self.edge_b))
+    }
 }
 
 /// `r²|d|² − |d₁ × d₂|²`, d the direction on `longer`: the gap between the edges varies by less than the territory.
@@ -54,6 +57,9 @@ impl Polynomial for ParallelReach {
         };
         let allowed = view.scales().territory.squared().times(&longer);
         allowed.minus(&view.scales().unit.squared().times(&a.cross(&b).norm_squared()))
+    }
+    fn zero_where_parallel(&self, tolerances: &ToleranceSet) -> Option<(EdgeId, EdgeId)> {
+        tolerances.territory.is_zero().then_some((self.edge_a, self.edge_b))
     }
 }
 
@@ -152,6 +158,7 @@ impl Polynomial for InwardAcross {
     const VARIANTS: usize = 2;
     const DEGREE: usize = 5;
     // Where planar faces leave zero, rounded ones leave a rounding.
+    const IN_BALLS: bool = false;
     const IN_DOUBLE: bool = true;
     const WITHIN_BLOCKS: bool = true;
     #[inline(always)]

@@ -76,7 +76,7 @@ impl SignCascade<'_, '_> {
 }
 
 /// The bits of an integer whose size is at most `size · 2^shift`, for a size of zero or more; `None` where f64 does not hold it.
-fn bits_within(size: f64, shift: i64) -> Option<Bits> {
+pub(crate) fn bits_within(size: f64, shift: i64) -> Option<Bits> {
     // size < 2^exponent
     let exponent = (size.to_bits() >> (f64::MANTISSA_DIGITS - 1)) as i64 - 1022;
     Some(Bits(u32::try_from((exponent + shift).max(0)).ok()?)).filter(|_| size.is_finite())

@@ -4,7 +4,7 @@
 //! of gaps and of dips are, that bound is far too large. The parts themselves, with the bounds known beforehand of each, give one that follows their sizes:
 //! a tenth of the work of balls, which follow every operation.
 
-use super::SignCascade;
+use super::{SignCascade, sign_beyond};
 use crate::number::Bound;
 use crate::predicate::Polynomial;
 use crate::view::Scales;
@@ -22,13 +22,7 @@ impl<'c, 'p, 's> Parts<'c, 'p, 's> {
     #[inline]
     pub(crate) fn of<P: Polynomial>(&self, part: &P) -> Bound {
         let cascade = self.0;
-        let value = part.value(&cascade.float_view()).0;
-        let mut bound = cascade.bound_of::<P>(part.variant());
-        if bound.is_nan() {
-            cascade.find_unit_bound(part);
-            bound = cascade.bound_of::<P>(part.variant());
-        }
-        Bound::around(value, bound)
+        Bound::around(part.value(&cascade.float_view()).0, cascade.known_bound(part))
     }
 
     /// What the tolerances are.
@@ -42,13 +36,6 @@ impl SignCascade<'_, '_> {
     /// The sign of a polynomial that has this value in f64, where the sizes of its parts tell.
     #[inline(always)]
     pub(crate) fn sign_by_parts<P: Polynomial>(&self, polynomial: &P, value: f64) -> Option<Sign> {
-        let bound = polynomial.error_by_parts(&Parts::new(self))?;
-        if value > bound {
-            Some(Sign::Positive)
-        } else if value < -bound {
-            Some(Sign::Negative)
-        } else {
-            None
-        }
+        sign_beyond(value, polynomial.error_by_parts(&Parts::new(self))?)
     }
 }

@@ -1,31 +1,44 @@
 //! What follows from edges that are parallel to faces, and from features that lie in planes of faces, before any number is calculated.
 
-use super::SignCascade;
-use crate::edge_products::{recalled, remembered};
-use crate::predicate::{Edge, EdgeAlongNormal, Face, Vertex};
+use super::{SignCascade, sign_beyond};
+use crate::number::Ball;
+use crate::own_lattice::ProductAlongNormal;
+use crate::predicate::{Edge, EdgeAlongNormal, Face, Polynomial, Vertex};
 use rockproof_model::decision::Side;
-use rockproof_model::{Entrance, Sign};
+use rockproof_model::{EdgeId, Entrance, Sign};
 
 impl SignCascade<'_, '_> {
-    /// The sign of `d·N` of an edge and a face, beyond f64 calculated once for each edge of one block and face of the other.
+    /// The sign of `d·N` of an edge and a face: beyond f64 on the lattices of their blocks, where their integers are short enough.
     pub(super) fn edge_along_normal(&mut self, edge: Edge, face: Face) -> Sign {
-        let (pair, asked) = (self.pair, EdgeAlongNormal { edge, face });
-        let value = match self.float_sign(&asked) {
-            Ok(sign) => return sign,
-            Err(value) => value,
-        };
-        let (edges, faces) = (pair.prepared(edge.0).edges.len(), pair.prepared(face.0).faces.len());
-        let place = pair.edge_products.of(edge, face, edges, faces);
-        if let Some((sign, level)) = place.and_then(|place| recalled(place.get())) {
-            self.levels.add_one(level);
+        let asked = EdgeAlongNormal { edge, face };
+        let (value, bound) = (asked.value(&self.float_view()).0, self.known_bound(&asked));
+        if let Some(sign) = sign_beyond(value, bound) {
+            self.levels.float += 1;
             return sign;
         }
-        let before = self.levels;
-        let sign = self.careful_sign(&asked, value);
-        if let (Some(place), Some(level)) = (place, self.levels.first_beyond(&before)) {
-            place.set(remembered(sign, level));
-        }
-        sign
+        let known = self.on_own_lattices(edge, face, None, Ball { middle: value, radius: bound });
+        known.unwrap_or_else(|| self.careful_sign(&asked, value))
+    }
+
+    /// The sign of a [`ProductAlongNormal`], `own` an edge of the block of the face, on the lattices of the blocks, where their integers are short enough;
+    /// `value` encloses the product in metres.
+    pub(super) fn on_own_lattices(&mut self, edge: Edge, face: Face, own: Option<Edge>, value: Ball) -> Option<Sign> {
+        let [of_edge, of_face] = [edge.0, face.0].map(|side| self.pair.prepared(side));
+        let product = ProductAlongNormal {
+            edge: (of_edge.own_lattice()?, of_edge.edges[edge.1.index()].ends),
+            face: (of_face.own_lattice()?, face.1, self.pair.topology(face.0).face(face.1)),
+            own: own.map(|own| of_face.edges[own.1.index()].ends),
+        };
+        let (sign, width) = product.sign(value.size())?;
+        *(if width == 128 { &mut self.levels.i128 } else { &mut self.levels.fixed[0] }) += 1;
+        Some(sign)
+    }
+
+    /// Whether an edge of A is known to be parallel to one of B, or one of them to be a point.
+    pub(crate) fn edges_are_parallel(&self, edge_a: EdgeId, edge_b: EdgeId) -> bool {
+        let (a, b) = (self.pair.a, self.pair.b);
+        let (Some(own_a), Some(own_b)) = (a.own_lattice(), b.own_lattice()) else { return false };
+        own_a.are_parallel(a.edges[edge_a.index()].ends, own_b, b.edges[edge_b.index()].ends)
     }
 
     /// Whether an edge is not a point and lies in the plane of a face at it, so far as that is known of all edges of the face.

@@ -11,7 +11,8 @@ use num_bigint::BigInt;
 use rockproof_model::decision::Side;
 use rockproof_model::{Block, BlockOptions, EdgeId, Number, Vec3};
 
-const FACES: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+pub(super) const FACES: [[u32; 4]; 6] =
+    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
 
 /// The parallelepiped that these vectors span from a corner; none where they do not go round to the right.
 pub(super) fn parallelepiped(corner: [i64; 3], spans: [[i64; 3]; 3]) -> Option<Block> {
