@@ -38,7 +38,7 @@ pub(crate) fn denied(kinds: &[String], compared: &[&str], progress: &CampaignPro
                     "was asked about no pair, since they make steps alone, so nothing was compared".to_owned()
                 }
                 (0, _) => "was asked about no pair, since none survives rounding, so nothing was compared".to_owned(),
-                (_, 0) => format!("{}, so nothing was compared", answers.words()),
+                (asked, 0) => format!("answered none of {asked} pairs, so nothing was compared"),
                 _ => format!("{}, less than half, so next to nothing was compared", answers.words()),
             };
             print_note(&format!("denied: {engine} {what}"));

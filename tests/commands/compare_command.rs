@@ -211,3 +211,18 @@ fn shells_and_man_know_every_command() {
     }
     assert!(fs::read_to_string(dir.path().join("man1/rockproof.1")).expect("a page").contains(".SH SUBCOMMANDS"));
 }
+
+/// Under a set that depends on the precision a tolerance concerns `any` where one precision takes part, and one of two where both do.
+#[test]
+fn findings_about_all_precisions_are_not_compared_where_these_differ() {
+    let campaigns = Campaigns::new(SETTINGS);
+    campaigns.campaign("both", &["--engine", "stepper-f32,stepper-f64"]);
+    campaigns.campaign("one", &["--engine", "stepper-f64"]);
+    let (code, out, err) = campaigns.run(&["compare", "both", "one", "--format", "json", "--deny", "new,more,other"]);
+    let found = document(&out);
+    let classes = found["findings"]["classes"].as_array().expect("classes");
+    assert!(code == 0 && !classes.is_empty(), "{out}{err}");
+    assert!(classes.iter().all(|class| class["cause"] != "tolerance" && class["trend"] == "same"), "{out}");
+    let (_, out, _) = campaigns.run(&["compare", "both", "one"]);
+    assert!(out.contains("So are findings of the cause tolerance"), "{out}");
+}

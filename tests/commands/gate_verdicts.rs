@@ -94,6 +94,39 @@ fn an_engine_that_no_limit_concerns_fails_and_a_limit_that_concerns_none_is_skip
     }
 }
 
+/// Pairs of the family `passage` make steps alone, which external engines do not make: neither a gate nor `--deny` passes where one was asked nothing.
+#[cfg(unix)]
+#[test]
+fn an_engine_that_is_asked_nothing_fails() {
+    let place = Place::new();
+    place.file("mine.sh", "exec sed -u 's/^{\"id\":\\([0-9]*\\),.*/{\"id\":\\1,\"contacts\":[]}/'\n");
+    let steps = "pairs = 32\nsteps_every = 1\nfamilies = [\"passage\"]\nengines = [\"stepper-f64\", \"mine\"]\nshrink_evaluations = 0\n";
+    let mine = "[[EXTERNAL]]\nname = \"mine\"\ncommand = \"sh mine.sh\"\n";
+    let limits = "[[limit]]\nengine = \"mine\"\ncount = 0\n[[limit]]\nchange = \"passage\"\ncount = 999\n";
+    place.file(
+        "gate.toml",
+        &format!("corpus = []\n[campaign]\n{steps}{}{limits}", mine.replace("EXTERNAL", "campaign.external")),
+    );
+    let (code, out, err) = place.run(&["gate", "gate.toml"]);
+    let row = out.lines().find(|line| line.contains("engine mine answers")).expect("a row");
+    assert!(code == 1 && row.contains("FAIL") && row.contains("was asked about no pair"), "{out}{err}");
+    // A limit on that family is about nothing that such an engine answers.
+    let both = steps.replace("\"passage\"]", "\"passage\", \"sliver\"]");
+    let limit = "[[limit]]\nengine = \"mine\"\nfamily = \"passage\"\ncount = 0\n";
+    place.file(
+        "gate.toml",
+        &format!("corpus = []\n[campaign]\n{both}{}{limit}", mine.replace("EXTERNAL", "campaign.external")),
+    );
+    let (code, out, err) = place.run(&["gate", "gate.toml"]);
+    assert!(code == 1 && out.contains("built-in engines alone make steps") && out.contains("would pass"), "{out}{err}");
+    place.file("settings.toml", &format!("{steps}{}", mine.replace("EXTERNAL", "external")));
+    let (code, out, err) = place.run(&["campaign", "settings.toml", "--out", "run", "--deny", "engine"]);
+    assert!(
+        code == 1 && err.contains("denied: mine was asked about no pair, since they make steps alone"),
+        "{out}{err}"
+    );
+}
+
 fn own(dir: &Path, campaign: &str, rest: &str) -> (i32, String) {
     let ran = gate(dir, &format!("corpus = []\n[campaign]\n{campaign}{rest}"), &[], false);
     (ran.code, ran.out + &ran.err)
@@ -127,6 +160,7 @@ fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
         ("tolerances = \"shi\"", "tolerances shi are none of its sets, which are auto"),
         ("engine = \"f32\"", "no engine that is given f32 takes part"),
         ("change = \"swap\"", "(campaign.metamorphic_every is 0)"),
+        ("change = \"unstable\"", "(campaign.ask_twice is false)"),
     ] {
         let sliver = format!("{sliver}metamorphic_every = 0\n");
         let (code, said) = own(dir.path(), &sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));
@@ -141,6 +175,10 @@ fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
         ("cause = \"tolerance\"\nchange = \"collapsed\"", "allowed with this change: representation"),
         ("cause = \"representation\"\nchange = \"swap\"", "allowed with this change: arithmetic, defect, engine"),
         ("change = \"collapsed\"\nkind = \"v-v\"", "kind is that of a contact"),
+        ("change = \"mode\"\ncause = \"engine\"", "allowed with this change: tolerance, representation"),
+        ("change = \"unsupported\"\nbeyond_ulps = 4", "beyond_ulps leaves out what has no margin"),
+        ("family = \"passage\"\nchange = \"swap\"", "make steps alone"),
+        ("family = \"passage\"\ncause = \"engine\"", "make steps alone"),
     ] {
         let (code, said) = own(dir.path(), sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));
         assert!(code == 2 && said.contains("gate.toml line 7: ") && said.contains(why), "{limit}: {said}");
@@ -150,6 +188,9 @@ fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
         ("engine = \"f64\"\ncause = \"defect\"", "about one engine, by its name, not about f64"),
         ("engine = \"any\"\ncause = \"arithmetic\"", "about one engine, by its name, not about any"),
         ("change = \"crash\"", "only external engines have this change, and none takes part"),
+        ("change = \"unsupported\"", "only external engines have this change, and none takes part"),
+        ("engine = \"stepper-f64\"\nchange = \"collapsed\"", "about f32 or f64, not about stepper-f64"),
+        ("engine = \"any\"\ncause = \"representation\"", "about f32 or f64, not about any"),
         ("change = \"state\"", "only external engines have this change, and none takes part"),
     ] {
         let (code, said) = own(dir.path(), sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));

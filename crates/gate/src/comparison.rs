@@ -7,6 +7,7 @@ use super::CONFIDENCE;
 use super::known_findings::ClassGrowth;
 use super::tally::{CampaignTally, ClassCount};
 use super::tally_row::TallyRow;
+use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::Intrusion;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -88,6 +89,8 @@ pub struct Comparable {
     pub same_pairs: Option<Vec<Range<u64>>>,
     /// Whom findings may be about, as `findings.csv` has it: what takes part in both.
     pub engines: BTreeSet<String>,
+    /// Whether findings of the cause tolerance are: whom these are about depends on the precisions that take part, so in both runs they must be the same.
+    pub tolerance: bool,
 }
 
 /// What a pair is to a count: its number and tolerance set.
@@ -114,7 +117,8 @@ impl FindingComparison {
         for (side, run) in runs.into_iter().enumerate() {
             for row in run.rows.iter().filter(|row| shared.contains(&row.group()) && same(row.index())) {
                 let class = row.class();
-                if comparable.engines.contains(&class.engine) {
+                let told_alike = comparable.tolerance || class.cause != Cause::Tolerance.name();
+                if told_alike && comparable.engines.contains(&class.engine) {
                     classes.entry(class).or_default()[side].push((row.index(), row.group().1));
                 }
             }

@@ -74,9 +74,10 @@ impl RunComparison {
         let same_pairs = shared.as_ref().map(PairNumbers::count);
         let engines = runs.map(|run| run.run.scopes());
         let in_both: BTreeSet<String> = engines[0].intersection(&engines[1]).cloned().collect();
-        let engines_left_out = engines.map(|engines| engines.difference(&in_both).cloned().collect());
+        let engines_left_out: [Vec<String>; 2] = engines.map(|engines| engines.difference(&in_both).cloned().collect());
         let tallies = [CampaignTally::read(before)?, CampaignTally::read(after)?];
-        let comparable = Comparable { same_pairs: shared.map(PairNumbers::into_ranges), engines: in_both };
+        let tolerance = !precisions_differ(&engines_left_out);
+        let comparable = Comparable { same_pairs: shared.map(PairNumbers::into_ranges), engines: in_both, tolerance };
         let findings = FindingComparison::of(&tallies[0], &tallies[1], &comparable);
         let agreement = shares(runs);
         let names =
@@ -145,7 +146,13 @@ impl RunComparison {
         if groups > 0 {
             parts.push(format!("{groups} combinations of family and tolerance set"));
         }
-        (!parts.is_empty()).then(|| format!("Left out, as only one run has them: {}.", parts.join(", ")))
+        let tolerance = match precisions_differ(&self.engines_left_out) {
+            true => {
+                " So are findings of the cause tolerance, since whom they are about depends on the precisions that take part."
+            }
+            false => "",
+        };
+        (!parts.is_empty()).then(|| format!("Left out, as only one run has them: {}.{tolerance}", parts.join(", ")))
     }
 
     /// The comparison as a report: a page, tables, or a text for a pull request.
@@ -266,7 +273,11 @@ impl RunFile {
     }
 }
 
-/// The settings in which two runs differ.
+/// Whether a precision takes part in one of two runs alone, whose scopes these are without those of the other.
+fn precisions_differ(left_out: &[Vec<String>; 2]) -> bool {
+    left_out.iter().flatten().any(|scope| ["f32", "f64"].contains(&scope.as_str()))
+}
+
 /// The pairs that both runs examined, all of those of the shorter one; `None` where the same number is another pair, or they have none in common.
 fn shared_pairs(runs: [&CampaignRun; 2]) -> Result<Option<PairNumbers>, ReportError> {
     let [one, two] = runs.map(|run| PairNumbers::of(&run.run));
@@ -275,7 +286,7 @@ fn shared_pairs(runs: [&CampaignRun; 2]) -> Result<Option<PairNumbers>, ReportEr
     {
         return Ok(None);
     }
-    if !shared.are_certain() || shared.count() < one.count().min(two.count()) {
+    if shared.count() < one.count().min(two.count()) {
         return Err(ReportError::Overlap {
             dirs: runs.map(|run| run.dir.clone()),
             shared: shared.ends().unwrap_or_default(),
@@ -284,6 +295,7 @@ fn shared_pairs(runs: [&CampaignRun; 2]) -> Result<Option<PairNumbers>, ReportEr
     Ok(Some(shared))
 }
 
+/// The settings in which two runs differ.
 fn differences(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<SettingChange> {
     let names: BTreeSet<&String> = before.keys().chain(after.keys()).collect();
     let change = |name: &String| SettingChange {

@@ -24,7 +24,7 @@ pub enum ReportError {
     },
     /// Runs of one campaign that have pairs in common.
     #[error(
-        "{} and {} are runs of one campaign (the same seed and settings) and share pairs from {} to {}, which would count twice: name runs without common pairs, or one of these alone", dirs[0].display(), dirs[1].display(), shared[0], shared[1]
+        "{} and {} are runs of one campaign (the same seed and settings) and share pairs from {} to {}, which would count twice: name runs without common pairs, or one of these alone; rockproof compare shows what changed from one to the other", dirs[0].display(), dirs[1].display(), shared[0], shared[1]
     )]
     Shared {
         /// The directories as given.

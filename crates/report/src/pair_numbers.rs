@@ -29,8 +29,6 @@ const NOT_ABOUT_PAIRS: [&str; 11] = [
 pub(crate) struct PairNumbers {
     /// In ascending order, none of them empty.
     ranges: Vec<Range<u64>>,
-    /// Whether all of these were examined; of an unfinished part that was merged nobody knows how many were.
-    are_certain: bool,
 }
 
 impl PairNumbers {
@@ -40,39 +38,34 @@ impl PairNumbers {
         let planned = run.configuration.get("pairs").and_then(Value::as_u64).unwrap_or(run.pairs);
         if let Some(part) = text(Part::KEY).and_then(|part| part.parse::<Part>().ok()) {
             let start = part.pairs(planned, BATCH).start;
-            return PairNumbers::new(iter::once(start..start + run.pairs), true);
+            return PairNumbers::new(iter::once(start..start + run.pairs));
         }
         let Some((numbers, of)) = text(Parts::KEY).and_then(|parts| parts.rsplit_once(" of ")) else {
-            return PairNumbers::new(iter::once(0..run.pairs), true);
+            return PairNumbers::new(iter::once(0..run.pairs));
         };
         let range = |number: &str| {
             let number = number.trim_end_matches(" (unfinished)");
             Some(format!("{number}/{of}").parse::<Part>().ok()?.pairs(planned, BATCH))
         };
-        PairNumbers::new(numbers.split(", ").filter_map(range), !numbers.contains("unfinished"))
+        PairNumbers::new(numbers.split(", ").filter_map(range))
     }
 
-    fn new(ranges: impl IntoIterator<Item = Range<u64>>, are_certain: bool) -> PairNumbers {
+    fn new(ranges: impl IntoIterator<Item = Range<u64>>) -> PairNumbers {
         let mut ranges: Vec<Range<u64>> = ranges.into_iter().filter(|range| !range.is_empty()).collect();
         ranges.sort_by_key(|range| range.start);
-        PairNumbers { ranges, are_certain }
+        PairNumbers { ranges }
     }
 
     /// Those that another run has too.
     pub(crate) fn shared(&self, other: &PairNumbers) -> PairNumbers {
         let both = |one: &Range<u64>, two: &Range<u64>| one.start.max(two.start)..one.end.min(two.end);
         let ranges = self.ranges.iter().flat_map(|one| other.ranges.iter().map(move |two| both(one, two)));
-        PairNumbers::new(ranges, self.are_certain && other.are_certain)
+        PairNumbers::new(ranges)
     }
 
     /// How many.
     pub(crate) fn count(&self) -> u64 {
         self.ranges.iter().map(|range| range.end - range.start).sum()
-    }
-
-    /// Whether it is known of each of them that it was examined.
-    pub(crate) fn are_certain(&self) -> bool {
-        self.are_certain
     }
 
     /// The first of them and the last.
@@ -120,7 +113,8 @@ mod tests {
         assert_eq!(part("1/2", 80).shared(&second).ends(), Some([48, 79]));
         let merged = |parts: &str| numbers(serde_json::json!({ "pairs": 160, "parts": parts }), 112);
         let ends = merged("1, 3 of 3");
-        assert!(ends.are_certain() && ends.shared(&second).count() == 0 && ends.shared(&whole).count() == 112);
-        assert!(!merged("1, 3 (unfinished) of 3").are_certain());
+        assert!(ends.shared(&second).count() == 0 && ends.shared(&whole).count() == 112);
+        // How many an unfinished part has nobody knows, but where it begins.
+        assert_eq!(merged("1, 3 (unfinished) of 3"), ends);
     }
 }

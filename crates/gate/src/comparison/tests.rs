@@ -26,7 +26,7 @@ fn tally(gaps: &[u64], others: &[u64]) -> CampaignTally {
 fn compare(before: &CampaignTally, after: &CampaignTally, same_pairs: Option<u64>) -> Vec<(String, Trend)> {
     let engines = BTreeSet::from(["stepper-f32".to_owned()]);
     let same_pairs = same_pairs.map(|pairs| std::iter::once(0..pairs).collect());
-    let found = FindingComparison::of(before, after, &Comparable { same_pairs, engines });
+    let found = FindingComparison::of(before, after, &Comparable { same_pairs, engines, tolerance: true });
     found.classes.into_iter().map(|class| (class.class.change, class.trend)).collect()
 }
 
@@ -69,6 +69,7 @@ fn who_takes_part_in_one_run_alone_is_left_out() {
     let comparable = Comparable {
         same_pairs: Some(std::iter::once(0..1000).collect()),
         engines: BTreeSet::from(["mine".to_owned()]),
+        tolerance: true,
     };
     assert!(FindingComparison::of(&before, &after, &comparable).classes.is_empty());
 }
