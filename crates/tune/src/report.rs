@@ -227,8 +227,8 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize) -> std::
         false => {
             let others = match tried.iter().filter(|other| other.measurement.violated.is_empty()).count() {
                 0 => "No candidate met every rule; this one breaks".to_owned(),
-                1 => "One candidate meets every rule, but is worse in what counts before; this one breaks".to_owned(),
-                n => format!("{n} candidates meet every rule, but are worse in what counts before; this one breaks"),
+                1 => "One candidate meets every rule, but loses pairs of the model; this one breaks".to_owned(),
+                n => format!("{n} candidates meet every rule, but lose pairs of the model; this one breaks"),
             };
             writeln!(out, "{others}: {}.", formulas(&m.violated))?;
         }
