@@ -10,6 +10,7 @@
 mod area;
 mod assembly;
 mod attempt;
+mod block_inverse;
 mod block_system;
 mod compiled;
 mod conjugate_gradients;

@@ -5,6 +5,7 @@
 //! M⁻¹ = D⁻¹ + P (PᵀKP)⁻¹ Pᵀ, where P gives each block the displacement that its group has there. Threads share blocks by the parts of `system.rs` and
 //! panels of the coarse level, whose contacts come one after another: the same bits on any number of threads.
 
+use crate::dynamics::block_inverse::BlockInverse;
 use crate::dynamics::conjugate_gradients::Preconditioner;
 use crate::dynamics::contact::Resistance;
 use crate::dynamics::displacement::{BlockVector, displacement, generalized};
@@ -18,9 +19,6 @@ use crate::vector::Vector;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// The inverse of a block's own matrix, column by column; zeros where a block has no such unknown. It is whole, for columns can be added up at once.
-type BlockInverse = [[f32; 12]; 12];
 
 type Square<R> = [[R; 12]; 12];
 
@@ -173,38 +171,8 @@ impl<R: Real + Send + Sync> WithSimd for Diagonal<'_, '_, '_, R> {
                 add_outer(square, &rows, &products, R::from_f64(1.0));
             }
         }
-        squares.iter().zip(self.places).map(|(square, place)| inverse(square, block(place).unknowns)).collect()
+        squares.iter().zip(self.places).map(|(square, place)| BlockInverse::of(square, block(place).unknowns)).collect()
     }
-}
-
-/// The inverse of the first rows and columns, by Cholesky's factor L: `(L⁻¹)ᵀL⁻¹`.
-#[inline(always)]
-fn inverse<R: Real>(square: &Square<R>, unknowns: usize) -> Option<BlockInverse> {
-    let (mut l, mut lower) = ([[R::ZERO; 12]; 12], [[R::ZERO; 12]; 12]);
-    for row in 0..unknowns {
-        for column in 0..row {
-            let sum = (0..column).fold(square[row][column], |sum, k| sum - l[row][k] * l[column][k]);
-            l[row][column] = sum * lower[column][column];
-        }
-        let pivot = (0..row).fold(square[row][row], |sum, k| sum - l[row][k] * l[row][k]);
-        if !(R::ZERO.below(pivot) && pivot.is_finite()) {
-            return None;
-        }
-        lower[row][row] = R::from_f64(1.0) / pivot.sqrt();
-        for column in 0..row {
-            let sum = (column..row).fold(R::ZERO, |sum, k| sum - l[row][k] * lower[k][column]);
-            lower[row][column] = sum * lower[row][row];
-        }
-    }
-    let mut inverse = [[0.0; 12]; 12];
-    for row in 0..unknowns {
-        for column in 0..=row {
-            let value = (row..unknowns).fold(R::ZERO, |sum, k| sum + lower[k][row] * lower[k][column]);
-            inverse[row][column] = value.to_f64() as f32;
-            inverse[column][row] = inverse[row][column];
-        }
-    }
-    Some(inverse)
 }
 
 /// Filling a panel of the coarse level.
@@ -316,21 +284,10 @@ impl<R: Real + Send + Sync> WithSimd for Applying<'_, '_, '_, R> {
             motion.iter_mut().zip(group).for_each(|(motion, &x)| *motion = R::from_f64(f64::from(x)));
             let moved = displacement(arms[place], &motion).components();
             motion[..3].copy_from_slice(&moved);
-            let own = times(&inverses[place], residual);
+            let own = inverses[place].times(residual);
             for (into, (&motion, own)) in into.iter_mut().zip(motion.iter().zip(own)) {
                 *into = motion + R::from_f64(f64::from(own));
             }
         }
     }
-}
-
-/// The inverse of a block's own matrix times a vector.
-#[inline(always)]
-fn times<R: Real>(inverse: &BlockInverse, force: &[R]) -> [f32; 12] {
-    let mut x = [0.0; 12];
-    for (column, force) in inverse.iter().zip(force) {
-        let force = force.to_f64() as f32;
-        x.iter_mut().zip(column).for_each(|(x, value)| *x += value * force);
-    }
-    x
 }
