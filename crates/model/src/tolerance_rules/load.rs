@@ -197,6 +197,7 @@ fn carried(columns: &[Column], plans: &Plans, one: &Column) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation::PointLoad;
     use crate::{SceneBlock, Vec3};
 
     /// Cubes of 1 m³ and 2,500 kg on a fixed slab, at these corners; gravity 10 m/s² along an axis.
@@ -257,6 +258,28 @@ mod tests {
         // The lower beam has all of the upper one on its four contacts: 150 kN.
         assert_eq!(found.block, Some(3));
         assert!((found.found - 0.3).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn what_blocks_bear_has_the_loads_at_the_start_of_those_above() {
+        let mut scene = stacked(&[[0, 0, 0], [0, 0, 1], [3, 0, 0]], 2);
+        let load = |block, forces: &[(i32, i32)]| {
+            let at = Vec3::new(0, 0, 0).map(|&c: &i32| Number::from_integer(c));
+            let force = |&(time, down): &(i32, i32)| {
+                (Number::from_integer(time), Vec3::new(7, 0, -down).map(|&c| Number::from_integer(c)))
+            };
+            PointLoad { block, at, table: forces.iter().map(force).collect() }
+        };
+        let borne = |scene: &Scene| weights_borne(&set(), scene, &[1, 2, 3]);
+        assert_eq!(borne(&scene), [50_000.0, 25_000.0, 25_000.0]);
+        // A third of the way from 1 kN to 4 kN.
+        scene.simulation.loads = vec![load(2, &[(-1, 1000), (2, 4000)]), load(0, &[(0, 500)])];
+        assert_eq!(borne(&scene), [52_000.0, 25_000.0, 25_000.0]);
+        // Later is not now, and more than it weighs lifts it off.
+        scene.simulation.loads = vec![load(2, &[(0, 0), (9, 8000)]), load(3, &[(5, 1000)])];
+        assert_eq!(borne(&scene), [50_000.0, 25_000.0, 25_000.0]);
+        scene.simulation.loads = vec![load(2, &[(0, -30_000)])];
+        assert_eq!(borne(&scene), [25_000.0, 25_000.0, 25_000.0]);
     }
 
     #[test]
