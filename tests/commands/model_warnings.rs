@@ -213,7 +213,8 @@ fn only_loads_that_press_the_pair_together_at_the_start_explain_its_energy() {
     let other = "[[block]]\nname = \"other\"\nbox = { min = [0, 2, 0], max = [1, 3, 1] }\n";
     let above = "[[block]]\nname = \"above\"\nbox = { min = [0, 0, \"99/100\"], max = [1, 1, \"199/100\"] }\n";
     let is_told = |block: &str, force: &str| {
-        let load = format!("[[load]]\nblock = \"{block}\"\nat = [0.5, 0.5, 0.5]\n{force}\n");
+        let at = if block == "other" { "[0.5, 2.5, 0.5]" } else { "[0.5, 0.5, 0.5]" };
+        let load = format!("[[load]]\nblock = \"{block}\"\nat = {at}\n{force}\n");
         energy_line(&place, &sunk(1, &format!("{other}{above}{STIFF}{load}"))).is_some()
     };
     let down = "force = [0, 0, -9e6]";
