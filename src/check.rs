@@ -234,7 +234,7 @@ fn warning(warning: &Warning) -> String {
 fn warning_of_energy(stored: &[StoredEnergy], scene: &Scene) -> String {
     let Some(worst) = stored.first() else { return String::new() };
     let pairs = noun(stored.len(), "pair", "pairs");
-    let (title, sentence, remedy) = (StoredEnergy::TITLE, worst.sentence(scene), StoredEnergy::remedy());
+    let (title, sentence, remedy) = (StoredEnergy::TITLE, worst.sentence(scene), StoredEnergy::remedy(scene));
     format!(
         "\nwarning: {title}\n  (energy of the springs between two blocks) ≤ (force that presses them)·penetration\n\
         \x20   found      {} {pairs}; the worst: {sentence}\n\

@@ -158,8 +158,8 @@ fn springs_that_store_more_than_weights_explain_are_told() {
     let stiff = "[[joint]]\nnormal_stiffness = 1e9\n";
     place.file("sunk.toml", &sunk(9, stiff));
     let (code, out, err) = place.run(&["examine", "sunk.toml", "--no-tune", "--out", "sunk"]);
-    // 4 · 1e9 N/m · (0.09 m)²/2, and 2600 · 9.81 N · 0.1 m; √(2 · 1.62e7 J/2600 kg).
-    let said = "springs of blocks 0–1 (floor, cube) store 1.620e7 J, their weights and loads explain 2551 J: released, that would throw block 1 at 111.6 m/s";
+    // 4 · 1e9 N/m · (0.09 m)²/2, and 2600 · 9.81 N · (2 · 25.5 µm + 0.01 m); √(2 · 1.62e7 J/2600 kg).
+    let said = "springs of blocks 0–1 (floor, cube) store 1.620e7 J, their weights and loads explain 256.4 J: released, that would throw block 1 at 111.6 m/s";
     assert!(code == 1 && out.starts_with(&format!("not decided: {said}\n")), "{out}{err}");
     assert!(out.contains(&format!("  i energy     {said}: use ")) && out.contains("next: rockproof check"), "{out}");
     let document = document_of(&place, "sunk");
@@ -175,30 +175,109 @@ fn springs_that_store_more_than_weights_explain_are_told() {
     assert!(code == 1 && out.starts_with("not decided: "), "{out}{err}");
 }
 
+/// What `examine` says of the energy of overlaps, if anything.
+fn energy_line(place: &Place, scene: &str) -> Option<String> {
+    place.file("one.toml", scene);
+    let (_, out, err) = place.run(&["examine", "one.toml", "--no-tune", "--out", "one", "--overwrite"]);
+    assert!(!out.is_empty(), "{err}");
+    out.lines().find(|line| line.starts_with("  i energy ")).map(str::to_owned)
+}
+
+const STIFF: &str = "[[joint]]\nnormal_stiffness = 1e9\n";
+
 #[test]
 fn what_weights_loads_stresses_and_settling_explain_is_no_warning() {
     let place = Place::new();
-    let is_told = |scene: &str| {
-        place.file("one.toml", scene);
-        let (_, out, err) = place.run(&["examine", "one.toml", "--no-tune", "--out", "one", "--overwrite"]);
-        assert!(!out.is_empty(), "{err}");
-        out.contains("  i energy ")
-    };
+    let is_told = |scene: &str| energy_line(&place, scene).is_some();
     // At rest: 2600 · 9.81 N on four springs that give way by 2 cm, and twice that, where a weight laid on suddenly comes to.
     let at_rest = "[[joint]]\nnormal_stiffness = 318825\n";
     assert!(!is_told(&sunk(2, at_rest)) && !is_told(&sunk(4, at_rest)));
     // What 25.5 kN · 0.1 m explain is 2551 J; 4 · 318825/2 N/m · h² are no more up to 6.3 cm.
     assert!(!is_told(&sunk(6, at_rest)) && is_told(&sunk(7, at_rest)));
-    let stiff = "[[joint]]\nnormal_stiffness = 1e9\n";
     // 2e5 J.
-    assert!(is_told(&sunk(1, stiff)));
-    let load = "[[load]]\nblock = 1\nat = [0.5, 0.5, 0.5]\nforce = [0, 0, -2e6]\n";
-    assert!(!is_told(&sunk(1, &format!("{stiff}{load}"))));
-    let weaker = load.replace("2e6", "1.9e6");
-    assert!(is_told(&sunk(1, &format!("{stiff}{weaker}"))));
-    assert!(!is_told(&sunk(1, &format!("stress = [0, 0, -2.1e6, 0, 0, 0]\n{stiff}"))));
-    assert!(!is_told(&sunk(1, &format!("{stiff}[simulation]\nsettle = 200\n"))), "settled");
-    assert!(!is_told(&sunk(0, stiff)), "touching");
+    assert!(is_told(&sunk(1, STIFF)));
+    // 8.03 MN · (2 · 8.03 mm + 10 mm) are 2.1e5 J, 7.53 MN · 25.1 mm are 1.9e5 J.
+    let load = "[[load]]\nblock = 1\nat = [0.5, 0.5, 0.5]\nforce = [0, 0, -8e6]\n";
+    assert!(!is_told(&sunk(1, &format!("{STIFF}{load}"))));
+    let weaker = load.replace("8e6", "7.5e6");
+    assert!(is_told(&sunk(1, &format!("{STIFF}{weaker}"))));
+    assert!(!is_told(&sunk(1, &format!("stress = [0, 0, -8.1e6, 0, 0, 0]\n{STIFF}"))));
+    assert!(!is_told(&sunk(1, &format!("{STIFF}[simulation]\nsettle = 200\n"))), "settled");
+    assert!(!is_told(&sunk(0, STIFF)), "touching");
+}
+
+/// Loads elsewhere, the other way or later do not hold a block down when time begins.
+#[test]
+fn only_loads_that_press_the_pair_together_at_the_start_explain_its_energy() {
+    let place = Place::new();
+    let other = "[[block]]\nname = \"other\"\nbox = { min = [0, 2, 0], max = [1, 3, 1] }\n";
+    let above = "[[block]]\nname = \"above\"\nbox = { min = [0, 0, \"99/100\"], max = [1, 1, \"199/100\"] }\n";
+    let is_told = |block: &str, force: &str| {
+        let at = if block == "other" { "[0.5, 2.5, 0.5]" } else { "[0.5, 0.5, 0.5]" };
+        let load = format!("[[load]]\nblock = \"{block}\"\nat = {at}\n{force}\n");
+        energy_line(&place, &sunk(1, &format!("{other}{above}{STIFF}{load}"))).is_some()
+    };
+    let down = "force = [0, 0, -9e6]";
+    assert!(!is_told("cube", down) && !is_told("above", down), "what stands on the cube presses it as well");
+    assert!(is_told("floor", down) && is_told("other", down));
+    assert!(is_told("cube", "force = [0, 0, 9e6]") && is_told("cube", "force = [9e6, 0, 0]"));
+    assert!(is_told("cube", "table = [[0, 0, 0, 0], [100, 0, 0, 0], [200, 0, 0, -9e6]]"));
+    assert!(!is_told("cube", "table = [[-100, 0, 0, 0], [100, 0, 0, -18e6]]"), "half of it at t = 0");
+}
+
+#[test]
+fn a_small_overlap_that_lifts_a_block_is_told_and_one_that_hardly_does_is_not() {
+    let place = Place::new();
+    let stiff = |stiffness: &str| format!("[[joint]]\nnormal_stiffness = {stiffness}\n");
+    // 2,000 J are less than 25.5 kN · `penetration`, and yet lift the cube by 7.7 cm; of 2e5 J/m² the springs lift it by 0.6 cm.
+    let scene = |stiffness| sunk(9, &stiff(stiffness)).replace("-9/100", "-1/1000").replace("91/100", "999/1000");
+    let told = energy_line(&place, &scene("1e9")).expect("a warning");
+    assert!(
+        told.contains("store 2000 J") && told.contains("explain 256.4 J") && told.contains("at 1.24 m/s"),
+        "{told}"
+    );
+    assert_eq!(energy_line(&place, &scene("1e8")), None);
+}
+
+/// Each step begins at rest there.
+#[test]
+fn static_analysis_throws_no_block() {
+    let place = Place::new();
+    let told = |dynamic: &str| energy_line(&place, &sunk(9, &format!("{STIFF}[simulation]\ndynamic = {dynamic}\n")));
+    assert_eq!(told("0"), None);
+    assert!(told("0.5").is_some());
+}
+
+#[test]
+fn springs_that_hold_one_another_in_balance_throw_nothing() {
+    let place = Place::new();
+    let between = |right: &str, settle: u32| {
+        let wall = |from: &str, to: &str| {
+            format!("[[block]]\nfixed = true\nbox = {{ min = [{from}, -1, -1], max = [{to}, 2, 2] }}\n")
+        };
+        let cube = "[[block]]\nbox = { min = [\"-1/100\", 0, 0], max = [\"101/100\", 1, 1] }\n";
+        let walls = wall("-1", "0") + &wall(right, "2");
+        energy_line(
+            &place,
+            &format!(
+                "[simulation]\nsettle = {settle}\n[tolerances]\npreset = \"auto\"\npenetration = \"1/10\"\n{walls}{cube}{STIFF}"
+            ),
+        )
+    };
+    assert_eq!((between("1", 200), between("1", 0)), (None, None));
+    // A gap of 2 cm on the right: the springs on the left throw it there, and after settling they are at rest.
+    let told = between("\"103/100\"", 0).expect("a warning");
+    assert!(told.contains("or `settle` in [simulation]"), "{told}");
+}
+
+/// What blocks move and turn with may be in their springs for a while.
+#[test]
+fn energy_of_motion_explains_energy_of_springs() {
+    let place = Place::new();
+    let with = |motion: &str| energy_line(&place, &sunk(1, &format!("{motion}\n{STIFF}"))).is_some();
+    // 2e5 J: ½ · 2600 kg · (12.4 m/s)², and ½ · 433 kg·m² · (30.4 1/s)² about any axis through the centroid.
+    assert!(with("velocity = [0, 0, 12.3]") && !with("velocity = [0, 0, 12.5]"));
+    assert!(with("spin = [0, 30.3, 0]") && !with("spin = [0, 30.5, 0]"));
 }
 
 #[test]

@@ -6,6 +6,7 @@ use crate::extents::short;
 use crate::naming::file_name;
 use crate::overlaps::{MeasuredOverlaps, OverlapScope, Overlaps, overlaps};
 use crate::pairs::{self, ExaminedPair, PRECISIONS};
+use crate::pressed_springs::at_start;
 use crate::progress::{Stage, WorkProgress};
 use crate::recommend::{Recommendation, better};
 use crate::steps::{self, Steps};
@@ -259,13 +260,13 @@ fn any_moves(pairs: &[ExaminedPair], fixed: &[bool]) -> bool {
 fn unexplained(model: &CheckedModel, set: &ToleranceSet, overlaps: &Overlaps, steps: &Steps) -> Vec<StoredEnergy> {
     let mut scene = model.scene.clone();
     scene.derive_stiffness(set);
-    let energies = match (scene.simulation.control.settle, steps.made()) {
-        (0, _) => stored_energy::at_start(&scene, set, overlaps),
-        (_, made) => made.map(|made| made.settled_j.clone()).unwrap_or_default(),
+    let springs = match (scene.simulation.control.settle, steps.made()) {
+        (0, _) => at_start(&scene, set, overlaps),
+        (_, made) => made.map(|made| made.settled.clone()).unwrap_or_default(),
     };
     // A larger `penetration` than the one given allows deeper overlaps, and explains no more.
     let penetration = (&set.penetration).min(&model.set.penetration);
-    stored_energy::unexplained(&scene, &ToleranceSet { penetration: penetration.clone(), ..set.clone() }, &energies)
+    stored_energy::unexplained(&scene, &ToleranceSet { penetration: penetration.clone(), ..set.clone() }, &springs)
 }
 
 /// What a set is called: by the preset it is, with a mark where it was changed, or by its file.

@@ -1,9 +1,9 @@
 //! A few steps of a model, each audited exactly: which blocks pass through one another?
 
 use crate::error::ExamineError;
+use crate::pressed_springs::{PressedSpring, after_settling};
 use crate::progress::WorkProgress;
 use crate::step_audit::AuditedRun;
-use crate::stored_energy::{PairEnergies, after_settling};
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_simulate::{AuditScope, AuditTotals, PairDepth, Stepping};
 use rockproof_stepper::contact::SpecRules;
@@ -36,8 +36,8 @@ pub struct AuditedSteps {
     pub unconverged: u64,
     /// Whether contacts were closed in any step, or while blocks settled.
     pub touched: bool,
-    /// What the springs of each pair stored where settling ended (J); empty where nothing settles.
-    pub settled_j: BTreeMap<[usize; 2], f64>,
+    /// The springs that overlapped where settling ended; empty where nothing settles.
+    pub settled: Vec<PressedSpring>,
     /// What the audit found.
     pub totals: AuditTotals,
     /// Pairs that passed through one another within a step, with the greatest depth shown (m).
@@ -101,7 +101,7 @@ fn make_in<R: Solve>(
         stopped: None,
         unconverged: 0,
         touched: false,
-        settled_j: PairEnergies::new(),
+        settled: Vec::new(),
         totals: AuditTotals::default(),
         passages: BTreeMap::new(),
         unseen: BTreeMap::new(),
@@ -133,7 +133,7 @@ fn make_in<R: Solve>(
                 let state = run.state();
                 found.made = state.step;
                 if report.step <= 0 && state.settling == 0 {
-                    found.settled_j = after_settling(scene, &state.contacts);
+                    found.settled = after_settling(scene, &state.contacts);
                 }
                 seen.advance();
             }

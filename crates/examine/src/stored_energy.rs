@@ -2,14 +2,9 @@
 
 use crate::extents::short;
 use crate::overlaps::{Overlaps, pair_in_words};
-use rayon::prelude::*;
-use rockproof_model::simulation::PointLoad;
+use crate::pressed_springs::{PressedSpring, at_start, cross, dot, length, minus, plus, released, vertex_of};
 use rockproof_model::tolerance_rules::weights_borne;
 use rockproof_model::{Number, Scene, SceneBlock, ToleranceSet, Vec3};
-use rockproof_oracle::audit::OverlapSeverity;
-use rockproof_oracle::{Pair, PreparedBlock};
-use rockproof_stepper::Real;
-use rockproof_stepper::dynamics::ContactState;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -20,9 +15,9 @@ pub struct StoredEnergy {
     pub blocks: [usize; 2],
     /// What the springs of the pair's contacts store (J).
     pub energy_j: f64,
-    /// The most that is explained: the force that presses the blocks together times `penetration`, and the energy of their motion (J).
+    /// The most that is explained by the force that presses the blocks together, and the energy of their motion (J).
     pub explained_j: f64,
-    /// The block that it would move, and its speed if all of the energy became motion of this block (m/s).
+    /// The block that it would move, and its speed if all that its springs can give it became motion (m/s).
     pub thrown: (usize, f64),
 }
 
@@ -42,8 +37,11 @@ impl StoredEnergy {
     }
 
     /// What mends it.
-    pub fn remedy() -> &'static str {
-        "blocks moved apart, or `settle` in [simulation]"
+    pub fn remedy(scene: &Scene) -> &'static str {
+        match scene.simulation.control.settle {
+            0 => "blocks moved apart, or `settle` in [simulation]",
+            _ => "blocks moved apart, or more steps of `settle`",
+        }
     }
 
     /// For programs.
@@ -63,78 +61,140 @@ pub fn unexplained_energy(scene: &Scene, set: &ToleranceSet, overlaps: &Overlaps
     unexplained(&scene, set, &at_start(&scene, set, overlaps))
 }
 
-/// What the springs of each pair store (J).
-pub(crate) type PairEnergies = BTreeMap<[usize; 2], f64>;
+/// The share of the smallest side of the smaller block by which it may rise from its springs.
+const RISE: f64 = 0.01;
 
-/// What the springs of pairs that overlap and are held store as the blocks stand, from the exact contacts; joints have their stiffness.
-pub(crate) fn at_start(scene: &Scene, set: &ToleranceSet, overlaps: &Overlaps) -> PairEnergies {
-    let held = overlaps.all().filter(|(_, severity)| *severity == OverlapSeverity::Held);
-    let energy = |[a, b]: [usize; 2]| {
-        let prepared = [a, b].map(|block| PreparedBlock::new(&scene.blocks[block].block));
-        let pair = Pair::new(&prepared[0], &prepared[1]);
-        let contacts = pair.classify(set).contacts;
-        let pressed = contacts.iter().filter(|contact| contact.gap.is_negative());
-        let squares = pressed.map(|contact| Number::from_rational(pair.gap(&contact.entrance).squared).approximate());
-        stiffness(scene, [a, b]) * squares.sum::<f64>() / 2.0
-    };
-    let held: Vec<[usize; 2]> = held.map(|(overlap, _)| overlap.blocks).collect();
-    held.into_par_iter().map(|blocks| (blocks, energy(blocks))).collect()
-}
-
-/// The same of a state after settling, from the gaps that its last step left.
-pub(crate) fn after_settling<R: Real>(scene: &Scene, contacts: &[ContactState<R>]) -> PairEnergies {
-    let mut found = PairEnergies::new();
-    for contact in contacts.iter().filter(|contact| contact.mode.is_closed()) {
-        let (blocks, gap) = (contact.blocks.map(|block| block as usize), contact.gap.to_f64().min(0.0));
-        *found.entry(blocks).or_default() += stiffness(scene, blocks) * gap * gap / 2.0;
-    }
-    found
-}
-
-fn stiffness(scene: &Scene, blocks: [usize; 2]) -> f64 {
-    let [one, other] = blocks.map(|block| scene.blocks[block].body.joint);
-    let normal = &scene.simulation.joints.between(one, other).normal_stiffness;
-    normal.as_ref().map_or(0.0, Number::approximate)
-}
-
-/// The pairs that store more than is explained, the one that is furthest beyond it first.
+/// The pairs that store more than is explained and can give it to a block, the one that is furthest beyond it first. None where `dynamic` is 0: each step
+/// begins at rest, so what springs give is gone with the step.
 ///
 /// A contact of stiffness p that a force F presses is d = F/p deep and stores p·d²/2 = F·d/2; one on which the force is laid suddenly gets twice as deep
-/// and stores F·2d. Neither is meant to be deeper than `penetration` g, so contacts that share a force F store no more than F·g together. For F stands,
-/// of the two blocks, the greatest of what one bears (the estimate of the warning `load`), the scene's loads added, and of what its initial stress
-/// presses on the largest side of its box. A block that the scene has moving may have pressed its springs together by as much as its motion still has.
+/// and stores 2F²/p. Released, n such contacts lift a block that weighs F by E/F − d above where it leaves them. So explained are 2F²/p, what one contact
+/// alone stores that bears all of it, and F·s, s a hundredth of the smallest side of the blocks: they rise by no more than s. A contact is not meant to be
+/// deeper than `penetration` g, so no more than F·g is explained. For F stands, of the two blocks, the greatest of what one bears (the estimate of the
+/// warning `load`) with its loads as far as they press the pair together when time begins, and of what its initial stress presses on the largest side of its box.
+/// A block that the scene has moving may have pressed its springs together by as much as its motion still has; after settling it has none.
 /// **As much as is explained is explained.**
-pub(crate) fn unexplained(scene: &Scene, set: &ToleranceSet, energies: &PairEnergies) -> Vec<StoredEnergy> {
-    let is_moving = |block: &usize| !scene.blocks[*block].body.is_fixed();
-    let movers: Vec<usize> = energies.keys().flatten().copied().filter(is_moving).collect();
+///
+/// Springs on both sides of a block that hold one another in balance move nothing: what counts is what they can give it ([`released`]). After settling a
+/// block is at rest with friction, too: where contacts, weight and loads leave no more than F unbalanced, its springs hold it.
+pub(crate) fn unexplained(scene: &Scene, set: &ToleranceSet, springs: &[PressedSpring]) -> Vec<StoredEnergy> {
+    if scene.simulation.control.dynamic == Number::ZERO {
+        return Vec::new();
+    }
+    let mut of_pair: BTreeMap<[usize; 2], Vec<&PressedSpring>> = BTreeMap::new();
+    let mut of_block: BTreeMap<usize, Vec<&PressedSpring>> = BTreeMap::new();
+    for spring in springs {
+        of_pair.entry(spring.blocks).or_default().push(spring);
+        for block in spring.blocks.into_iter().filter(|&block| !scene.blocks[block].body.is_fixed()) {
+            of_block.entry(block).or_default().push(spring);
+        }
+    }
+    let movers: Vec<usize> = of_block.keys().copied().collect();
     let borne = weights_borne(set, scene, &movers);
-    let loads: f64 = scene.simulation.loads.iter().map(greatest).sum();
-    let forces: BTreeMap<usize, f64> =
-        movers.iter().zip(borne).map(|(&block, weight)| (block, (weight + loads).max(pressed(scene, block)))).collect();
+    let moving: BTreeMap<usize, Moving<'_>> = movers
+        .iter()
+        .zip(borne)
+        .map(|(&block, borne)| (block, Moving::of(scene, block, borne, &of_block[&block])))
+        .collect();
     let penetration = set.penetration.approximate();
-    let one = |(&blocks, &energy_j): (&[usize; 2], &f64)| {
-        let moving = || blocks.into_iter().filter(|block| forces.contains_key(block));
-        let motion: f64 =
-            moving().map(|block| mass(scene, block) * length(&scene.blocks[block].body.velocity).powi(2) / 2.0).sum();
-        let explained_j = moving().map(|block| forces[&block]).fold(0.0, f64::max) * penetration + motion;
-        let lightest = moving().map(|block| (mass(scene, block), block)).min_by(|one, two| one.0.total_cmp(&two.0));
-        let (mass, block) = lightest?;
-        let thrown = (block, (2.0 * energy_j / mass).sqrt());
+    let one = |(&blocks, springs): (&[usize; 2], &Vec<&PressedSpring>)| {
+        let here = || blocks.into_iter().filter_map(|block| moving.get(&block));
+        let energy_j = springs.iter().map(|spring| spring.energy_j()).sum();
+        let force = here().map(|one| one.pressing(springs)).fold(0.0, f64::max);
+        let rise = RISE * here().map(|one| one.smallest_side).fold(f64::INFINITY, f64::min);
+        let motion: f64 = here().map(|one| one.motion_j).sum();
+        let explained_j = force * penetration.min(2.0 * force / springs.first()?.stiffness + rise) + motion;
+        let given = here().filter(|one| !one.is_held(force)).map(|one| (one, one.released_j));
+        let (one, _) = given
+            .filter(|&(_, given)| given > explained_j)
+            .max_by(|(one, a), (two, b)| (a / one.mass).total_cmp(&(b / two.mass)))?;
+        let thrown = (one.block, (2.0 * one.released_j / one.mass).sqrt());
         (energy_j > explained_j).then_some(StoredEnergy { blocks, energy_j, explained_j, thrown })
     };
-    let mut found: Vec<StoredEnergy> = energies.iter().filter_map(one).collect();
+    let mut found: Vec<StoredEnergy> = of_pair.iter().filter_map(one).collect();
     // A stable sort: of equal ones the first pair first.
     found.sort_by(|one, two| (two.energy_j / two.explained_j).total_cmp(&(one.energy_j / one.explained_j)));
     found
 }
 
-/// The greatest force of a load (N).
-fn greatest(load: &PointLoad) -> f64 {
-    load.table.iter().map(|(_, force)| length(force)).fold(0.0, f64::max)
+/// A block that its springs may move.
+struct Moving<'s> {
+    block: usize,
+    scene: &'s Scene,
+    /// In kg.
+    mass: f64,
+    /// In m.
+    smallest_side: f64,
+    /// Its weight and what stands on it (N).
+    borne: f64,
+    /// Its own loads when time begins (N).
+    load: [f64; 3],
+    /// What its springs can give it (J).
+    released_j: f64,
+    /// What it moves with (J).
+    motion_j: f64,
+    /// What contacts, weight and loads leave unbalanced after settling (N); `None` where the scene does not settle.
+    unbalanced: Option<f64>,
 }
 
-fn length(vector: &Vec3<Number>) -> f64 {
-    vector.components().into_iter().map(|part| part.approximate().powi(2)).sum::<f64>().sqrt()
+impl<'s> Moving<'s> {
+    fn of(scene: &'s Scene, block: usize, borne: f64, springs: &[&PressedSpring]) -> Moving<'s> {
+        let shape = &scene.blocks[block].block;
+        let mass = mass(scene, block);
+        let centroid = near(&shape.centroid().map(|c| Number::from_rational(c.clone())));
+        let loads = scene.simulation.loads.iter().filter(|load| load.block == block);
+        let load = loads.map(|load| load.at_start()).fold([0.0; 3], plus);
+        let settles = scene.simulation.control.settle > 0;
+        let weight = near(&scene.simulation.gravity).map(|g| g * mass);
+        let contacts = springs.iter().map(|spring| spring.force.map(|f| f * spring.side(block)));
+        let unbalanced = settles.then(|| length(contacts.fold(plus(weight, load), plus)));
+        let motion_j = if settles { 0.0 } else { motion_energy(scene, block, mass, centroid) };
+        let released_j = released(springs, block, centroid);
+        let smallest_side = sides(scene, block).into_iter().fold(f64::INFINITY, f64::min);
+        Moving { block, scene, mass, smallest_side, borne, load, released_j, motion_j, unbalanced }
+    }
+
+    /// The force that presses it against the other block of a pair with these springs (N).
+    fn pressing(&self, springs: &[&PressedSpring]) -> f64 {
+        let push = springs.iter().map(|spring| spring.push(self.block)).fold([0.0; 3], plus);
+        let against = if length(push) > 0.0 { -dot(self.load, push) / length(push) } else { 0.0 };
+        (self.borne + against.max(0.0)).max(pressed(self.scene, self.block))
+    }
+
+    /// Whether what is unbalanced after settling is no more than this force (N).
+    fn is_held(&self, force: f64) -> bool {
+        self.unbalanced.is_some_and(|unbalanced| unbalanced <= force)
+    }
+}
+
+/// What a block moves and turns with in the scene (J): ½·m·v² + ½·ω·J·ω.
+fn motion_energy(scene: &Scene, block: usize, mass: f64, centroid: [f64; 3]) -> f64 {
+    let SceneBlock { block, body, .. } = &scene.blocks[block];
+    let (velocity, spin) = (near(&body.velocity), near(&body.spin));
+    // ∫|ω × x|² over the tetrahedra of the centroid and each triangle of the surface: of a quadratic form q, V/20·(Σ q(corner) + q(Σ corners)).
+    let (mut volume, mut integral) = (0.0, 0.0);
+    for face in block.topology().faces() {
+        let corners: Vec<[f64; 3]> = face.iter().map(|&vertex| minus(vertex_of(block, vertex), centroid)).collect();
+        for pair in corners[1..].windows(2) {
+            let triangle = [corners[0], pair[0], pair[1]];
+            let part = dot(triangle[0], cross(triangle[1], triangle[2])) / 6.0;
+            let square = |x: [f64; 3]| dot(cross(spin, x), cross(spin, x));
+            integral += part / 20.0
+                * (triangle.map(square).iter().sum::<f64>() + square(triangle.into_iter().fold([0.0; 3], plus)));
+            volume += part;
+        }
+    }
+    mass / 2.0 * (dot(velocity, velocity) + integral / volume)
+}
+
+fn near(vector: &Vec3<Number>) -> [f64; 3] {
+    vector.components().map(Number::approximate)
+}
+
+/// The sides of a block's box (m).
+fn sides(scene: &Scene, block: usize) -> [f64; 3] {
+    let bounds = scene.blocks[block].block.bounds();
+    [0, 1, 2].map(|k| bounds.max.components()[k].approximate() - bounds.min.components()[k].approximate())
 }
 
 /// In kg.
@@ -146,12 +206,10 @@ fn mass(scene: &Scene, block: usize) -> f64 {
 
 /// What the initial stress of a block presses at most on the largest side of its box (N).
 fn pressed(scene: &Scene, block: usize) -> f64 {
-    let SceneBlock { block, body, .. } = &scene.blocks[block];
+    let body = &scene.blocks[block].body;
     // The Frobenius norm of a stress is at least its largest principal value.
     let [normal, shear] = [&body.stress[..3], &body.stress[3..]]
         .map(|parts| parts.iter().map(|part| part.approximate().powi(2)).sum::<f64>());
-    let bounds = block.bounds();
-    let [x, y, z] =
-        [0, 1, 2].map(|k| bounds.max.components()[k].approximate() - bounds.min.components()[k].approximate());
+    let [x, y, z] = sides(scene, block);
     (normal + 2.0 * shear).sqrt() * (x * y).max(y * z).max(z * x)
 }

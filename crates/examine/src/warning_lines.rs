@@ -40,7 +40,8 @@ fn stored(found: &Examination) -> Option<Line> {
         0 => String::new(),
         count => format!(" (the worst of {})", plural(count + 1, "pair", "pairs")),
     };
-    let text = format!("{}{more}: use {}", worst.sentence(&found.model.scene), StoredEnergy::remedy());
+    let text =
+        format!("{}{more}: use {}", worst.sentence(&found.model.scene), StoredEnergy::remedy(&found.model.scene));
     Some(line("energy", Severity::Fair, text))
 }
 

@@ -6,8 +6,9 @@ mod tests;
 use super::contradictions::{OtherQuestions, contradictions};
 use super::hypothesis::{Hypothesis, all, fits};
 use super::question::{PreparedBlocks, PreparedQuestion, Question, Reply};
+use super::ranges::as_ranges;
 use super::row::{ALL_NEAR_TIES, DiagnosisRow, DiagnosisVerdict};
-use super::tolerances::{factor_ranges, probes};
+use super::tolerances::probes;
 use crate::finding::FAR_FROM_TIE;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ToleranceSet};
@@ -149,7 +150,7 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
             continue;
         }
         let alike = told_apart(alike, &hypotheses, &questions, asking);
-        for (place, (number, range)) in factor_ranges(&alike, &hypotheses).into_iter().enumerate() {
+        for (place, (number, range)) in as_ranges(&alike, &hypotheses).into_iter().enumerate() {
             let verdict = if place == 0 { DiagnosisVerdict::Explains } else { DiagnosisVerdict::AsWell };
             let example = worst(&of_best, &judged, &answered);
             let mut row = DiagnosisRow { example, ..about(verdict, number, count, against[number]) };

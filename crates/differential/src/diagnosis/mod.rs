@@ -11,6 +11,7 @@ mod input;
 mod judge;
 mod parts;
 mod question;
+mod ranges;
 mod row;
 mod states;
 mod tolerances;

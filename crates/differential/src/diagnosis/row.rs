@@ -71,6 +71,11 @@ const SMALL_PART: u64 = 4;
 impl DiagnosisRow {
     /// The row in a sentence; `None` for what only the table tells.
     pub fn words(&self) -> Option<String> {
+        self.words_beside(0)
+    }
+
+    /// The same beside so many answers of its engine that nothing explains.
+    fn words_beside(&self, left: u64) -> Option<String> {
         let DiagnosisRow { engine, sentence, answers, differing, agreeing, example, .. } = self;
         let of = format!("{answers} of {differing} differing answers");
         let are = if *answers == 1 { "is" } else { "are" };
@@ -86,7 +91,14 @@ impl DiagnosisRow {
                 format!("{engine}: as well {sentence}: nothing that was asked tells the two apart.")
             }
             DiagnosisVerdict::Rounding => {
-                format!("{engine}: {of} {are} within {FAR_FROM_TIE} roundoffs of a tie: rounding can be the reason.")
+                // Where rounding does not explain the others, it need not be what these have in common with them.
+                let or = match left {
+                    0 => String::new(),
+                    _ => format!(", or what is wrong with the {left} further off"),
+                };
+                format!(
+                    "{engine}: {of} {are} within {FAR_FROM_TIE} roundoffs of a tie: rounding can be the reason{or}."
+                )
             }
             DiagnosisVerdict::Unexplained if sentence == ALL_NEAR_TIES => format!(
                 "{engine}: {of} {are} within {FAR_FROM_TIE} roundoffs of a tie, so rounding can be the reason, though not such rounding as \
@@ -111,17 +123,10 @@ pub fn diagnosis_lines(rows: &[DiagnosisRow]) -> Vec<String> {
         of.map(|row| row.answers).sum::<u64>()
     };
     let line = |row: &DiagnosisRow| {
-        let mut words = row.words()?;
         let left = unexplained(&row.engine);
+        let mut words = row.words_beside(left)?;
         if row.verdict == DiagnosisVerdict::Explains && left * SMALL_PART >= row.differing {
             words += &format!(" It is not all: nothing explains {left} of them.");
-        }
-        // Where rounding does not explain the others, it need not be what these have in common with them.
-        if row.verdict == DiagnosisVerdict::Rounding && left > 0 {
-            words = words.replace(
-                ": rounding can be the reason.",
-                &format!(": rounding can be the reason, or what is wrong with the {left} further off."),
-            );
         }
         Some(words)
     };

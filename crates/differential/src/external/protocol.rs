@@ -77,13 +77,26 @@ pub(super) fn quoted(line: &[u8]) -> String {
 fn not_json(line: &[u8], error: &serde_json::Error) -> String {
     let (at, around) = (error.column().saturating_sub(1).min(line.len()), 12);
     let place = &line[at.saturating_sub(around)..(at + around).min(line.len())];
-    let words = String::from_utf8_lossy(place).to_ascii_lowercase();
-    let hint = if ["nan", "inf"].iter().any(|word| words.contains(word)) {
+    let hint = if is_no_number(word_at(line, at)) {
         "; JSON has no NaN and no infinity: where a gap is none, leave its key out"
     } else {
         ""
     };
     format!("not JSON ({error}: …{}…{hint})", String::from_utf8_lossy(place).escape_debug())
+}
+
+/// The word that a place is in or just behind, with its sign.
+fn word_at(line: &[u8], at: usize) -> &[u8] {
+    let is_of_word = |byte: &u8| byte.is_ascii_alphanumeric() || b"+-._\"".contains(byte);
+    let start = line[..at].iter().rposition(|byte| !is_of_word(byte)).map_or(0, |before| before + 1);
+    let end = line[at..].iter().position(|byte| !is_of_word(byte)).map_or(line.len(), |length| at + length);
+    &line[start..end]
+}
+
+/// Whether a word is NaN or an infinity, as C and C++ print them.
+fn is_no_number(word: &[u8]) -> bool {
+    let word = word.strip_prefix(b"-").unwrap_or(word);
+    ["nan", "inf", "infinity"].iter().any(|name| word.eq_ignore_ascii_case(name.as_bytes()))
 }
 
 fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, ProtocolError> {
@@ -251,4 +264,23 @@ pub fn completed(mut contacts: Vec<Contact>, reference: &[Contact]) -> Vec<Conta
         }
     }
     contacts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::not_json;
+
+    #[test]
+    fn the_hint_on_numbers_that_are_none_comes_where_one_stands() {
+        let is_hinted = |line: &str| {
+            let error = serde_json::from_str::<serde_json::Value>(line).expect_err("no JSON");
+            not_json(line.as_bytes(), &error).contains("JSON has no NaN")
+        };
+        for number in ["nan", "-nan", "NaN", "-NaN", "inf", "-inf", "Infinity", "-infinity", "-nan(ind)"] {
+            assert!(is_hinted(&format!("{{\"gap_m\":{number}}}")) && is_hinted(&format!("[1,{number},2]")), "{number}");
+        }
+        for line in ["{\"info\":}", "{\"nan\":}", "{\"inf\":,\"a\":1}", "[info]", "[nano]", "[1 2]", "{\"a\":1", ""] {
+            assert!(!is_hinted(line), "{line}");
+        }
+    }
 }

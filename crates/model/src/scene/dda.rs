@@ -180,7 +180,7 @@ fn scalars(tokens: &mut Tokens<'_>, blocks: usize) -> Result<Vec<bool>, Located>
         }
         tokens.keyword("SCALARS")?;
         let name = tokens.next("the name of a scalar")?;
-        if name.text != FIXED && ["fix", "flag"].iter().any(|part| name.text.to_ascii_lowercase().contains(part)) {
+        if is_misspelt(name.text) {
             // Every other scalar is skipped, and blocks that were meant to be fixed would fall.
             let (what, found) = ("a scalar".to_owned(), crate::number_text::shown(name.text));
             let allowed = format!("{FIXED}, in these letters, for blocks that are fixed, or another name");
@@ -196,6 +196,30 @@ fn scalars(tokens: &mut Tokens<'_>, blocks: usize) -> Result<Vec<bool>, Located>
         }
     }
     Ok(fixed)
+}
+
+/// Whether a name is meant for [`FIXED`]: other letters or marks in it, or the same word shortened.
+fn is_misspelt(name: &str) -> bool {
+    let letters = |text: &str| -> Vec<char> {
+        text.chars().filter(|c| c.is_alphanumeric()).take(2 * FIXED.len()).map(|c| c.to_ascii_lowercase()).collect()
+    };
+    let (name_letters, fixed) = (letters(name), letters(FIXED));
+    let is_shortened = ["fix", "fixed", "flag", "isfixed"].iter().any(|word| letters(word) == name_letters);
+    name != FIXED && (is_shortened || changes(&name_letters, &fixed) <= 2)
+}
+
+/// The fewest letters added, left out or replaced that make one word of the other.
+fn changes(one: &[char], other: &[char]) -> usize {
+    let mut row: Vec<usize> = (0..=other.len()).collect();
+    for (i, a) in one.iter().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, b) in other.iter().enumerate() {
+            let replaced = diagonal + usize::from(a != b);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[other.len()]
 }
 
 /// The lists behind the line "/////////////Boundaries": read, and of no use to contacts.
@@ -217,4 +241,30 @@ fn boundaries(tokens: &mut Tokens<'_>) -> Result<(), Located> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_misspelt;
+
+    #[test]
+    fn only_names_near_the_flag_are_taken_for_it() {
+        for name in [
+            "fixedflag",
+            "FixedFlag",
+            "fixed_flag",
+            "fixFlag",
+            "fixedFlags",
+            "fxiedFlag",
+            "fixed",
+            "isFixed",
+            "fix",
+            "flag",
+        ] {
+            assert!(is_misspelt(name), "{name}");
+        }
+        for name in ["fixedFlag", "boundaryFlag", "prefix", "inscribedSphereRadius", "mixed", "volume", ""] {
+            assert!(!is_misspelt(name), "{name}");
+        }
+    }
 }

@@ -150,6 +150,24 @@ pub struct PointLoad {
     pub table: Vec<(Number, Vec3<Number>)>,
 }
 
+impl PointLoad {
+    /// The force when time begins (N), to the nearest f64.
+    pub fn at_start(&self) -> [f64; 3] {
+        let near = |force: &Vec3<Number>| force.components().map(Number::approximate);
+        let after = self.table.iter().position(|(time, _)| *time > Number::ZERO);
+        match after {
+            None => self.table.last().map_or([0.0; 3], |(_, force)| near(force)),
+            Some(0) => near(&self.table[0].1),
+            Some(next) => {
+                let [(before, from), (then, to)] = [&self.table[next - 1], &self.table[next]];
+                let (before, then) = (before.approximate(), then.approximate());
+                let (from, to) = (near(from), near(to));
+                std::array::from_fn(|k| from[k] + (to[k] - from[k]) * (-before / (then - before)))
+            }
+        }
+    }
+}
+
 /// A point of a block that a spring of equal stiffness in all directions holds where it was when the run began.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FixedPoint {

@@ -16,6 +16,8 @@ struct Column {
     high: [f64; 3],
     /// In N; `None` of a fixed block, which bears what is above it.
     weight: Option<f64>,
+    /// What loads press it down with (N), where they are counted; negative lifts it.
+    pushed: f64,
     /// The softest normal stiffness it can meet times the corners of its smallest face (N/m).
     resistance: f64,
 }
@@ -66,9 +68,15 @@ pub(super) fn load(set: &ToleranceSet, scene: &Scene) -> Option<Warning> {
     Some(Warning { kind: WarningKind::Load, block: Some(block), found: depth, allowed, remedy })
 }
 
-/// What some blocks of a scene bear with their own weight, as the warning `load` estimates it (N); 0 of each without gravity.
+/// What some blocks of a scene bear when time begins with their own weight, as the warning `load` estimates it (N), with the loads along gravity of the
+/// blocks above, but not their own; 0 of each without gravity.
 pub fn weights_borne(set: &ToleranceSet, scene: &Scene, blocks: &[usize]) -> Vec<f64> {
-    let Some(columns) = columns(set, scene) else { return vec![0.0; blocks.len()] };
+    let Some(mut columns) = columns(set, scene) else { return vec![0.0; blocks.len()] };
+    let gravity = scene.simulation.gravity.components().map(Number::approximate);
+    let pull = dot(gravity, gravity).sqrt();
+    for load in &scene.simulation.loads {
+        columns[load.block].pushed += dot(load.at_start(), gravity) / pull;
+    }
     let plans = Plans::of(&columns);
     blocks.iter().map(|&block| carried(&columns, &plans, &columns[block])).collect()
 }
@@ -102,7 +110,7 @@ fn columns(set: &ToleranceSet, scene: &Scene) -> Option<Vec<Column>> {
                 high[axis] = high[axis].max(along);
             }
         }
-        Column { low, high, weight, resistance: softest(body.joint) * smallest_face(block) as f64 }
+        Column { low, high, weight, pushed: 0.0, resistance: softest(body.joint) * smallest_face(block) as f64 }
     };
     Some(weights.into_iter().zip(&bodies).map(column).collect())
 }
@@ -173,7 +181,7 @@ impl Plans {
     }
 }
 
-/// The weight of a block and of what stands above it (N).
+/// The weight of a block and of what stands above it with what that is pressed down with (N).
 fn carried(columns: &[Column], plans: &Plans, one: &Column) -> f64 {
     let above = |other: &&Column| other.middle() > one.middle() && other.shared(one) > 0.0;
     let over: Vec<&Column> = plans.near(one).into_iter().map(|k| &columns[k]).filter(above).collect();
@@ -182,13 +190,14 @@ fn carried(columns: &[Column], plans: &Plans, one: &Column) -> f64 {
     let loads = over
         .iter()
         .filter(|other| !is_borne(other))
-        .filter_map(|other| Some(other.weight? * other.shared(one) / other.shared(other)));
+        .filter_map(|other| Some((other.weight? + other.pushed).max(0.0) * other.shared(one) / other.shared(other)));
     one.weight.unwrap_or(0.0) + loads.sum::<f64>()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation::PointLoad;
     use crate::{SceneBlock, Vec3};
 
     /// Cubes of 1 m³ and 2,500 kg on a fixed slab, at these corners; gravity 10 m/s² along an axis.
@@ -249,6 +258,28 @@ mod tests {
         // The lower beam has all of the upper one on its four contacts: 150 kN.
         assert_eq!(found.block, Some(3));
         assert!((found.found - 0.3).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn what_blocks_bear_has_the_loads_at_the_start_of_those_above() {
+        let mut scene = stacked(&[[0, 0, 0], [0, 0, 1], [3, 0, 0]], 2);
+        let load = |block, forces: &[(i32, i32)]| {
+            let at = Vec3::new(0, 0, 0).map(|&c: &i32| Number::from_integer(c));
+            let force = |&(time, down): &(i32, i32)| {
+                (Number::from_integer(time), Vec3::new(7, 0, -down).map(|&c| Number::from_integer(c)))
+            };
+            PointLoad { block, at, table: forces.iter().map(force).collect() }
+        };
+        let borne = |scene: &Scene| weights_borne(&set(), scene, &[1, 2, 3]);
+        assert_eq!(borne(&scene), [50_000.0, 25_000.0, 25_000.0]);
+        // A third of the way from 1 kN to 4 kN.
+        scene.simulation.loads = vec![load(2, &[(-1, 1000), (2, 4000)]), load(0, &[(0, 500)])];
+        assert_eq!(borne(&scene), [52_000.0, 25_000.0, 25_000.0]);
+        // Later is not now, and more than it weighs lifts it off.
+        scene.simulation.loads = vec![load(2, &[(0, 0), (9, 8000)]), load(3, &[(5, 1000)])];
+        assert_eq!(borne(&scene), [50_000.0, 25_000.0, 25_000.0]);
+        scene.simulation.loads = vec![load(2, &[(0, -30_000)])];
+        assert_eq!(borne(&scene), [25_000.0, 25_000.0, 25_000.0]);
     }
 
     #[test]
