@@ -339,7 +339,9 @@ impl Mesh {
             None => cells.collect(),
         };
         for (group, faces) in &mut self.polygons {
-            *faces = beyond(faces, &self.cell_points);
+            if !self.cell_points.is_empty() {
+                *faces = beyond(faces, &self.cell_points);
+            }
             if let Some(distance) = distance {
                 weld(faces, &self.points, distance);
             }
@@ -351,9 +353,6 @@ impl Mesh {
 
 /// The faces that are no boundary of cells: of surfaces joined by edges, those with a point that no cell has.
 fn beyond(faces: &[Face], of_cells: &HashSet<u32>) -> Vec<Face> {
-    if of_cells.is_empty() {
-        return faces.to_vec();
-    }
     let is_beyond = |face: &usize| faces[*face].vertices.iter().any(|point| !of_cells.contains(point));
     let mut kept: Vec<usize> =
         components(faces).into_iter().filter(|set| set.iter().any(is_beyond)).flatten().collect();
