@@ -110,6 +110,15 @@ fn an_engine_that_is_asked_nothing_fails() {
     let (code, out, err) = place.run(&["gate", "gate.toml"]);
     let row = out.lines().find(|line| line.contains("engine mine answers")).expect("a row");
     assert!(code == 1 && row.contains("FAIL") && row.contains("was asked about no pair"), "{out}{err}");
+    // Cases of a corpus ask it without any pair of a campaign.
+    let case = include_str!("../../cases/regressions/f-v-arithmetic-vertex-face-depth.toml");
+    let engine = case.lines().find(|line| line.starts_with("engine = ")).expect("an engine");
+    place.file("case.toml", &case.replace(engine, "engine = \"mine\""));
+    let of_corpus =
+        format!("corpus = [\"case.toml\"]\n[campaign]\npairs = 0\n{}", mine.replace("EXTERNAL", "campaign.external"));
+    place.file("gate.toml", &of_corpus);
+    let (code, out, err) = place.run(&["gate", "gate.toml"]);
+    assert!(code == 0 && out.contains("cases of the corpus ask it"), "{out}{err}");
     // A limit on that family is about nothing that such an engine answers.
     let both = steps.replace("\"passage\"]", "\"passage\", \"sliver\"]");
     let limit = "[[limit]]\nengine = \"mine\"\nfamily = \"passage\"\ncount = 0\n";

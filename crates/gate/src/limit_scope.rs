@@ -71,8 +71,9 @@ fn out_of_reach(limit: &FindingLimit, config: &GateConfig, source: &FamilySource
     Some(format!("no engine that is given {engine} takes part"))
 }
 
-/// Why no finding can have the limit's cause and be about its engine: causes of built-in engines and of external ones are never the same.
-pub(crate) fn without_cause(limit: &FindingLimit, config: &GateConfig) -> Option<String> {
+/// Why nothing in a campaign of these engines can break a limit, as far as its engine, cause and change tell: built-in and external engines share no cause of
+/// their own, and what rounding or tolerances do is about no single engine.
+pub(crate) fn unbreakable(limit: &FindingLimit, config: &GateConfig) -> Option<String> {
     let cause = limit.cause.as_deref().and_then(Cause::from_name);
     let campaign = &config.campaign;
     let external = |name: &str| campaign.external.iter().any(|spec| spec.name == name);
