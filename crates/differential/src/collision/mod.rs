@@ -1,7 +1,9 @@
 //! Engines that do not classify contacts but say how two blocks lie to one another, as collision codes do: apart, touching
 //! or overlapping, by how much, and which way out. Compared with the exact answer for convex pairs.
 
+mod hull_pair;
 pub mod separation;
+mod slab;
 
 use super::compare::AnswerChange;
 use super::engine::{Answer, Engine, catch_panic};
@@ -25,7 +27,16 @@ impl CollisionQuery<'_> {
     /// What is wrong with an answer, and the comparison; `None` where the exact side has no answer: a block is concave.
     pub fn compare(&self, reported: ReportedState) -> Option<(Option<AnswerChange>, StateComparison)> {
         let [a, b] = self.blocks;
-        let exact = Separation::of(a, b)?;
+        Some(self.compare_with(&Separation::of(a, b)?, reported))
+    }
+
+    /// The same where the separation of the blocks is known.
+    pub(super) fn compare_with(
+        &self,
+        exact: &Separation,
+        reported: ReportedState,
+    ) -> (Option<AnswerChange>, StateComparison) {
+        let [a, b] = self.blocks;
         let (reach, epsilon) = (largest_coordinate(self.blocks), self.precision.epsilon());
         let gap = exact.gap_m();
         let margin = if reach > 0.0 { gap / reach } else { 0.0 };
@@ -46,7 +57,7 @@ impl CollisionQuery<'_> {
         } else {
             None
         };
-        Some((wrong, comparison))
+        (wrong, comparison)
     }
 }
 

@@ -10,18 +10,15 @@
 //! between them, and the directions of the widest slab are those above or those between a vertex and the nearest point
 //! of a vertex or an edge.
 
-use crate::hull::convex_hull;
+use super::hull_pair::{Hull, HullPair};
+use super::slab::{Direction, Slab};
 use crate::separation_state::SeparationState;
-use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Zero;
 use rockproof_model::lattice::Lattice;
-use rockproof_model::ring::{ExactRing, Ring};
-use rockproof_model::{Block, Sign, Vec3, VertexId};
+use rockproof_model::ring::ExactRing;
+use rockproof_model::{Block, Sign, Vec3};
 use rockproof_oracle::rational::Rational;
-
-/// Vertices of a block beyond which its hull is not worked out: that takes the fourth power of their number.
-const MAX_VERTICES: usize = 48;
 
 /// How two convex blocks lie to one another.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,15 +43,15 @@ impl Separation {
             return None;
         }
         let lattice = Lattice::covering(a.coordinates().chain(b.coordinates()));
-        let (a, b) = (Hull::of(a, &lattice)?, Hull::of(b, &lattice)?);
-        let widest = widest(&a, &b)?;
-        let widest = if sign(&widest.width).is_positive() {
+        let pair = HullPair::new(Hull::of(a, &lattice)?, Hull::of(b, &lattice)?);
+        let widest = pair.widest(Direction::across_features(&pair))?;
+        let widest = if ExactRing::sign(&widest.width).is_positive() {
             // Apart: a slab between two vertices, or a vertex and an edge, may be wider still.
-            between_points(&a, &b).fold(widest, Slab::wider)
+            pair.widest(Direction::across_points(&pair)).into_iter().fold(widest, Slab::wider)
         } else {
             widest
         };
-        let state = match sign(&widest.width) {
+        let state = match ExactRing::sign(&widest.width) {
             Sign::Positive => SeparationState::Apart,
             Sign::Zero => SeparationState::Touching,
             Sign::Negative => SeparationState::Overlapping,
@@ -86,128 +83,10 @@ fn rational_vector([x, y, z]: [f64; 3]) -> Option<Vec3<BigRational>> {
     Some(Vec3::new(number(x)?, number(y)?, number(z)?))
 }
 
-/// A convex hull on the lattice.
-struct Hull {
-    points: Vec<Vec3<BigInt>>,
-    normals: Vec<Vec3<BigInt>>,
-    edges: Vec<[usize; 2]>,
-}
-
-impl Hull {
-    fn of(block: &Block, lattice: &Lattice) -> Option<Hull> {
-        if block.vertices().len() > MAX_VERTICES {
-            return None;
-        }
-        let hull = Hull::as_it_is(block, lattice);
-        if hull.holds_its_points(block) {
-            return Some(hull);
-        }
-        Some(Hull::as_it_is(&convex_hull(block.vertices()).ok()?, lattice))
-    }
-
-    fn as_it_is(block: &Block, lattice: &Lattice) -> Hull {
-        let points: Vec<_> = block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
-        let at = |v: VertexId| &points[v.index()];
-        let topology = block.topology();
-        let normals = topology.faces().iter();
-        let normals = normals.map(|f| at(f[1]).minus(at(f[0])).cross(&at(f[2]).minus(at(f[1])))).collect();
-        let edges = topology.edges().iter().map(|e| [e.p.index(), e.q.index()]).collect();
-        Hull { points, normals, edges }
-    }
-
-    /// Whether every face is planar and no vertex lies beyond one: then the block is its own hull.
-    fn holds_its_points(&self, block: &Block) -> bool {
-        block.topology().faces().iter().zip(&self.normals).all(|(face, normal)| {
-            let base = normal.dot(&self.points[face[0].index()]);
-            !is_zero(normal)
-                && self.points.iter().zip((0..).map(VertexId)).all(|(point, number)| {
-                    let sign = sign(&normal.dot(point).minus(&base));
-                    sign.is_at_most_zero() && (sign.is_zero() || !face.contains(&number))
-                })
-        })
-    }
-
-    fn direction(&self, [p, q]: [usize; 2]) -> Vec3<BigInt> {
-        self.points[q].minus(&self.points[p])
-    }
-}
-
-fn is_zero(vector: &Vec3<BigInt>) -> bool {
-    vector.components().iter().all(|c| c.is_zero())
-}
-
-/// The sign; `BigInt` has a method of the same name.
-fn sign(value: &BigInt) -> Sign {
-    ExactRing::sign(value)
-}
-
-/// The slab between two blocks across one direction.
-struct Slab {
-    /// Its width times the direction's length, negative for an overlap.
-    width: BigInt,
-    /// The square of the direction's length.
-    length2: BigInt,
-}
-
-impl Slab {
-    /// Across a direction from B to A; `None` for none.
-    fn across(a: &Hull, b: &Hull, direction: &Vec3<BigInt>) -> Option<Slab> {
-        if is_zero(direction) {
-            return None;
-        }
-        let low = a.points.iter().map(|p| p.dot(direction)).min()?;
-        let high = b.points.iter().map(|p| p.dot(direction)).max()?;
-        Some(Slab { width: low - high, length2: direction.dot(direction) })
-    }
-
-    /// The wider of two; the first of equal ones.
-    fn wider(self, other: Slab) -> Slab {
-        let (one, two) = (sign(&self.width), sign(&other.width));
-        let wider = if one != two {
-            two > one
-        } else {
-            // With equal signs the squares decide, the other way round for overlaps.
-            let mine = &self.width * &self.width * &other.length2;
-            let others = &other.width * &other.width * &self.length2;
-            if one.is_negative() { others < mine } else { others > mine }
-        };
-        if wider { other } else { self }
-    }
-}
-
-/// The widest slab across normals of faces and cross products of edges.
-fn widest(a: &Hull, b: &Hull) -> Option<Slab> {
-    let of_a = a.normals.iter().map(Vec3::negated);
-    let of_b = b.normals.iter().cloned();
-    let crossed = a.edges.iter().flat_map(|&e| {
-        let of_a = a.direction(e);
-        b.edges.iter().flat_map(move |&f| {
-            let cross = of_a.cross(&b.direction(f));
-            [cross.negated(), cross]
-        })
-    });
-    of_a.chain(of_b).chain(crossed).filter_map(|direction| Slab::across(a, b, &direction)).reduce(Slab::wider)
-}
-
-/// The slabs between a vertex of each, and between a vertex and the nearest point of an edge's line.
-fn between_points<'h>(a: &'h Hull, b: &'h Hull) -> impl Iterator<Item = Slab> + 'h {
-    let vertices = a.points.iter().flat_map(|p| b.points.iter().map(move |q| p.minus(q)));
-    let of_a = a.points.iter().flat_map(move |p| b.edges.iter().map(move |&e| from_line(b, e, p)));
-    let of_b = b.points.iter().flat_map(move |q| a.edges.iter().map(move |&e| from_line(a, e, q).negated()));
-    vertices.chain(of_a).chain(of_b).filter_map(|direction| Slab::across(a, b, &direction))
-}
-
-/// The direction from the line of an edge straight to a point, times the square of the edge's length.
-fn from_line(hull: &Hull, edge: [usize; 2], point: &Vec3<BigInt>) -> Vec3<BigInt> {
-    let along = hull.direction(edge);
-    let away = point.minus(&hull.points[edge[0]]);
-    let share = away.dot(&along);
-    away.scaled(&along.dot(&along)).minus(&along.scaled(&share))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hull::convex_hull;
     use rockproof_model::{BlockOptions, Number, Point};
 
     fn number(value: f64) -> Number {

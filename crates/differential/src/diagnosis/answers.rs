@@ -2,7 +2,6 @@
 
 use super::hypothesis::Hypothesis;
 use super::question::PreparedQuestion;
-use crate::collision::CollisionQuery;
 use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::decision::Feature;
 use rockproof_model::{Contact, ContactKey, Entrance, EntranceKind, Sign};
@@ -177,7 +176,6 @@ impl Hypothesis for WrongReply {
     }
 
     fn says_state(&self, asked: &PreparedQuestion<'_>, said: ReportedState) -> Option<bool> {
-        let blocks = &asked.question.blocks;
         let meant = match self {
             WrongReply::GapTurned => ReportedState { gap_m: said.gap_m.map(|gap| -gap), ..said },
             WrongReply::DepthPositive if said.state == SeparationState::Overlapping => {
@@ -195,8 +193,7 @@ impl Hypothesis for WrongReply {
                 ReportedState { gap_m: said.gap_m.map(|gap| sign * root(gap)), ..said }
             }
             WrongReply::Touching(called) => {
-                let (precision, accuracy) = (asked.question.precision, asked.question.accuracy);
-                let (wrong, comparison) = CollisionQuery { blocks, precision, accuracy }.compare(said)?;
+                let (wrong, comparison) = asked.compare_state(said, asked.question.accuracy)?;
                 return Some(match comparison.exact {
                     SeparationState::Touching => said.state == *called,
                     _ => wrong.is_none(),
@@ -208,7 +205,7 @@ impl Hypothesis for WrongReply {
             | WrongReply::EntranceRenamed
             | WrongReply::FromOne(_) => return None,
         };
-        asked.state_is_right(blocks, meant)
+        asked.state_is_right(meant)
     }
 }
 

@@ -119,7 +119,7 @@ impl Hypothesis for Input {
     fn says_state(&self, asked: &PreparedQuestion<'_>, said: ReportedState) -> Option<bool> {
         match self {
             Input::Single | Input::SingleCutOff | Input::Digits(_) | Input::Decimals(_) => {
-                asked.state_is_right(&self.changed(&asked.question.blocks)?, said)
+                asked.state_is_right_for(&self.changed(&asked.question.blocks)?, said)
             }
             // Tolerances have no part in how blocks lie, and to exchange blocks is to turn the normal.
             Input::SingleCoordinates

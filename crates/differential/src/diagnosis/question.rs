@@ -1,14 +1,15 @@
 //! One question to an engine, what it said, and what is so.
 
 use crate::collision::CollisionQuery;
+use crate::collision::separation::Separation;
 use crate::compare::{AnswerChange, Features, differences};
 use crate::engine::{Answer, Engine, ExactPair, catch_panic};
 use crate::explain::{ChainLink, nearest_decisions};
 use crate::external::protocol::completed;
-use crate::separation_state::ReportedState;
+use crate::separation_state::{ReportedState, StateComparison};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use rockproof_oracle::{Pair, PreparedBlock};
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
 /// What an engine said.
@@ -80,11 +81,12 @@ pub(super) struct PreparedQuestion<'q> {
     pub(super) question: &'q Question,
     pub(super) pair: Pair<'q>,
     known: RefCell<Vec<(ToleranceSet, Rc<Vec<Contact>>)>>,
+    separation: OnceCell<Option<Separation>>,
 }
 
 impl<'q> PreparedQuestion<'q> {
     pub(super) fn new(question: &'q Question, prepared: &'q PreparedBlocks) -> PreparedQuestion<'q> {
-        PreparedQuestion { question, pair: prepared.pair(), known: RefCell::default() }
+        PreparedQuestion { question, pair: prepared.pair(), known: RefCell::default(), separation: OnceCell::new() }
     }
 
     /// The exact contacts under a tolerance set.
@@ -102,8 +104,26 @@ impl<'q> PreparedQuestion<'q> {
         self.contacts(&self.question.tolerances)
     }
 
-    /// Whether a state is right for some blocks; `None` where nothing exact stands against it.
-    pub(super) fn state_is_right(&self, blocks: &[Block; 2], said: ReportedState) -> Option<bool> {
+    /// What is wrong with a state, said of the blocks of the question by an engine of some accuracy ([`CollisionQuery::compare`]).
+    pub(super) fn compare_state(
+        &self,
+        said: ReportedState,
+        accuracy: u64,
+    ) -> Option<(Option<AnswerChange>, StateComparison)> {
+        let Question { ref blocks, precision, .. } = *self.question;
+        let [a, b] = blocks;
+        let exact = self.separation.get_or_init(|| Separation::of(a, b)).as_ref()?;
+        Some(CollisionQuery { blocks, precision, accuracy }.compare_with(exact, said))
+    }
+
+    /// Whether a state is right for the blocks of the question; `None` where nothing exact stands against it.
+    pub(super) fn state_is_right(&self, said: ReportedState) -> Option<bool> {
+        let (wrong, _) = self.compare_state(said, self.question.accuracy)?;
+        Some(wrong.is_none())
+    }
+
+    /// The same for other blocks.
+    pub(super) fn state_is_right_for(&self, blocks: &[Block; 2], said: ReportedState) -> Option<bool> {
         let Question { precision, accuracy, .. } = *self.question;
         let (wrong, _) = CollisionQuery { blocks, precision, accuracy }.compare(said)?;
         Some(wrong.is_none())
@@ -113,7 +133,7 @@ impl<'q> PreparedQuestion<'q> {
     pub(super) fn is_right(&self) -> Option<bool> {
         match &self.question.reply {
             Reply::Contacts(_) => Some(self.has_contacts(&self.exact())),
-            Reply::State(said) => self.state_is_right(&self.question.blocks, *said),
+            Reply::State(said) => self.state_is_right(*said),
             Reply::Nothing(_) => Some(false),
         }
     }
@@ -137,8 +157,7 @@ impl<'q> PreparedQuestion<'q> {
         match &self.question.reply {
             Reply::Contacts(said) => self.roundoffs_between(&self.exact(), said, &self.question.tolerances),
             Reply::State(said) => {
-                let Question { blocks, precision, accuracy, .. } = self.question;
-                let compared = CollisionQuery { blocks, precision: *precision, accuracy: *accuracy }.compare(*said);
+                let compared = self.compare_state(*said, self.question.accuracy);
                 compared.map_or(f64::INFINITY, |(_, comparison)| comparison.margin_ulps.abs())
             }
             Reply::Nothing(_) => f64::INFINITY,

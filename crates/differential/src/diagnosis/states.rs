@@ -2,7 +2,6 @@
 
 use super::hypothesis::{Hypothesis, HypothesisRange};
 use super::question::{PreparedQuestion, Question};
-use crate::collision::CollisionQuery;
 use crate::separation_state::SeparationState::{Apart, Overlapping, Touching};
 use crate::separation_state::{ReportedState, SeparationState};
 
@@ -49,9 +48,7 @@ impl Hypothesis for StateMistake {
     }
 
     fn says_state(&self, asked: &PreparedQuestion<'_>, said: ReportedState) -> Option<bool> {
-        let Question { ref blocks, precision, accuracy, .. } = *asked.question;
-        let query = CollisionQuery { blocks, precision, accuracy };
-        let (wrong, comparison) = query.compare(said)?;
+        let (wrong, comparison) = asked.compare_state(said, asked.question.accuracy)?;
         let exact = comparison.exact_gap_m;
         match self {
             StateMistake::Within([is, called], n) => {
@@ -62,7 +59,7 @@ impl Hypothesis for StateMistake {
             StateMistake::Digits(_) | StateMistake::Decimals(_) => {
                 let gap_m = said.gap_m?;
                 let meant = ReportedState { gap_m: None, ..said };
-                let (wrong, _) = CollisionQuery { accuracy: self.accuracy(asked), ..query }.compare(meant)?;
+                let (wrong, _) = asked.compare_state(meant, self.accuracy(asked))?;
                 Some(self.shortened(exact) == Some(gap_m) && wrong.is_none())
             }
         }
