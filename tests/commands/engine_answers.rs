@@ -130,12 +130,14 @@ fn a_program_that_changed_before_the_run_goes_on_is_told() {
     let write = |words: &str| fs::write(dir.join("mine.sh"), format!("{ASKED} {NO_CONTACTS} done {words}\n"));
     let run = |pairs: &str, start: &str| {
         let engine = ["--engine", "mine", "--engine-command", "mine=sh mine.sh", "--out", "out"];
-        let few = ["campaign", "--family", "face_stack", "--tolerances", "auto", "--pairs", pairs, start];
+        let few =
+            ["campaign", "no_cases.toml", "--family", "face_stack", "--tolerances", "auto", "--pairs", pairs, start];
         let (code, said, err) = rockproof_in(dir, &[&few[..], &engine].concat());
         assert_eq!(code, 0, "{said}{err}");
         said
     };
     let changed = "mine: its program, or the first file among its arguments, changed while the campaign went on: 2 different ones were asked";
+    fs::write(dir.join("no_cases.toml"), "cases_per_cause = 0\n").expect("written");
     write("").expect("written");
     assert!(!run("32", "--overwrite").contains(changed));
     assert!(!run("48", "--resume").contains(changed));

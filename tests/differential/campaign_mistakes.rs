@@ -19,7 +19,7 @@ use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::{Classifier, Stepper};
 
 /// Pairs looked at: a fraction of the default campaign's, in which at least half of the mistakes show; and so many that nearly all do.
-const PAIRS: u64 = if cfg!(debug_assertions) { 512 } else { 4_096 };
+const PAIRS: u64 = if cfg!(debug_assertions) { 512 } else { 2_048 };
 const FULL_PAIRS: u64 = 65_536;
 
 /// Pairs looked at for what the default campaign's did not show: bases that are not perturbed, which hold more ties.

@@ -225,12 +225,22 @@ fn face_gap(a: &Block, b: &Block) -> f64 {
 
 #[test]
 fn families_reach_what_they_are_for() {
+    reach_what_they_are_for(80);
+}
+
+#[test]
+#[ignore = "four seconds; .ci/run runs it"]
+fn families_reach_what_they_are_for_at_full_size() {
+    reach_what_they_are_for(200);
+}
+
+fn reach_what_they_are_for(pairs: usize) {
     println!("{:22} {:>6} {:>6} {:>6} | {:>6} {:>6} {:>6}", "", "apart", "touch", "into", "f32", "f64", "finer");
     let mut styles = [0; 3];
     for family in families::all() {
         let mut rng = ChaCha8Rng::from_seed([9; 32]);
         let (mut signs, mut held) = ([0; 3], [0; 3]);
-        for _ in 0..200 {
+        for _ in 0..pairs {
             let (a, b) = family.generate(&mut rng);
             let gap = face_gap(&a, &b);
             signs[if gap > 1e-14 {
@@ -259,13 +269,17 @@ fn families_reach_what_they_are_for() {
             held[1],
             held[2]
         );
-        let least = if family.name() == "real" || family.name() == "joint_cut" { 0 } else { 8 };
-        assert!(signs.iter().all(|&n| n >= least), "{}: {signs:?} of 200 apart, touching, overlapping", family.name());
+        let least = if family.name() == "real" || family.name() == "joint_cut" { 0 } else { pairs / 25 };
+        assert!(
+            signs.iter().all(|&n| n >= least),
+            "{}: {signs:?} of {pairs} apart, touching, overlapping",
+            family.name()
+        );
         for (all, n) in styles.iter_mut().zip(held) {
             *all += n;
         }
     }
-    assert!(styles.iter().all(|&n| n > 300), "f32, f64, neither: {styles:?}");
+    assert!(styles.iter().all(|&n| 2 * n > 3 * pairs), "f32, f64, neither: {styles:?}");
 }
 
 #[test]

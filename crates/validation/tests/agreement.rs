@@ -18,7 +18,7 @@ const PATHS: &dyn Paths = &paths::BuiltIn;
 
 #[test]
 fn all_paths_agree() {
-    agree(if cfg!(debug_assertions) { 2 } else { 6 });
+    agree(if cfg!(debug_assertions) { 2 } else { 4 });
 }
 
 #[test]

@@ -7,6 +7,7 @@ use crate::support::random::{blocks, kept_choice, tolerances};
 use num_rational::BigRational;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
+use proptest::test_runner::{TestCaseError, TestRunner};
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, Contact, ContactKey, ContactKind, ToleranceSet};
 use rockproof_oracle::{Pair, PreparedBlock, plain};
@@ -23,29 +24,62 @@ fn fast(a: &Block, b: &Block, t: &ToleranceSet, kept: &[ContactKey]) -> Vec<(Con
     contacts.into_iter().map(|contact| (contact, pair.gap(&contact.entrance).squared)).collect()
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+#[test]
+fn contacts_are_those_of_the_plain_path() {
+    compare_contacts(80);
+}
 
-    #[test]
-    fn contacts_are_those_of_the_plain_path((a, b) in blocks(), t in tolerances(), choice in kept_choice()) {
-        let kept = choice.of(&a, &b, &t);
-        prop_assert_eq!(fast(&a, &b, &t, &kept), plainly(&a, &b, &t, &kept));
-        prop_assert_eq!(fast(&a, &b, &t, &[]), plainly(&a, &b, &t, &[]));
-    }
+#[test]
+fn the_recording_path_finds_the_same_contacts() {
+    compare_traces(80);
+}
 
-    #[test]
-    fn the_recording_path_finds_the_same_contacts((a, b) in blocks(), t in tolerances(), choice in kept_choice()) {
+#[test]
+#[ignore = "five seconds; .ci/run runs it"]
+fn contacts_are_those_of_the_plain_path_at_full_size() {
+    compare_contacts(256);
+}
+
+#[test]
+#[ignore = "four seconds; .ci/run runs it"]
+fn the_recording_path_finds_the_same_contacts_at_full_size() {
+    compare_traces(256);
+}
+
+/// Holds a property of so many random pairs with their tolerances and kept contacts.
+fn hold(cases: u32, property: impl Fn(&[Block; 2], &ToleranceSet, &[ContactKey]) -> Result<(), TestCaseError>) {
+    let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
+    let outcome = TestRunner::new(config).run(&(blocks(), tolerances(), kept_choice()), |((a, b), t, choice)| {
         let kept = choice.of(&a, &b, &t);
-        let plain: BTreeMap<_, _> = plain::trace_with_kept::<BigRational>(&a, &b, &t, &kept)
+        property(&[a, b], &t, &kept)
+    });
+    outcome.unwrap_or_else(|failure| panic!("{failure}"));
+}
+
+fn compare_contacts(cases: u32) {
+    hold(cases, |[a, b], t, kept| {
+        prop_assert_eq!(fast(a, b, t, kept), plainly(a, b, t, kept));
+        prop_assert_eq!(fast(a, b, t, &[]), plainly(a, b, t, &[]));
+        Ok(())
+    });
+}
+
+fn compare_traces(cases: u32) {
+    hold(cases, |[a, b], t, kept| {
+        let plain: BTreeMap<_, _> = plain::trace_with_kept::<BigRational>(a, b, t, kept)
             .into_iter()
             .map(|(decision, outcome, tie)| (decision, (outcome, tie)))
             .collect();
-        let (a, b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
-        let trace = Pair::new(&a, &b).trace_with_kept(&t, &kept);
+        let (a, b) = (PreparedBlock::new(a), PreparedBlock::new(b));
+        let trace = Pair::new(&a, &b).trace_with_kept(t, kept);
         for entry in &trace {
             if let Some(&(outcome, tie)) = plain.get(&entry.decision) {
                 prop_assert_eq!(entry.outcome, outcome, "{}", entry.decision);
-                prop_assert!(entry.decision.predicate != Predicate::InsideFace || entry.tie == tie, "{}", entry.decision);
+                prop_assert!(
+                    entry.decision.predicate != Predicate::InsideFace || entry.tie == tie,
+                    "{}",
+                    entry.decision
+                );
             }
         }
         // Both ask of the same planes whether they are true exits, and of the same contacts whether they may stay.
@@ -55,13 +89,14 @@ proptest! {
             let plain: Vec<_> = plain.keys().filter(|d| d.predicate == predicate).collect();
             prop_assert_eq!(fast, plain);
         }
-    }
+        Ok(())
+    });
 }
 
 /// Kept contacts of each kind deeper than g occur, and true exits decide: the properties above are about something.
 #[test]
 fn the_random_pairs_reach_what_they_are_for() {
-    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let mut runner = TestRunner::deterministic();
     let mut deep = BTreeSet::new();
     let mut exits = BTreeSet::new();
     for _ in 0..600 {

@@ -10,7 +10,7 @@ use num_rational::BigRational;
 use rockproof_model::{Block, ContactKind, Number, Point, Precision, Sign, ToleranceSet, Vec3};
 use rockproof_oracle::{LevelCounts, Pair, PreparedBlock, plain};
 
-const ROUNDS: u64 = 2;
+const ROUNDS: u64 = 1;
 const FULL_ROUNDS: u64 = 8;
 
 impl Random {

@@ -84,16 +84,16 @@ fn every_mistake_shows_in_a_step() {
     let _alone = PLANTING.lock();
     plant(Mistake::Nothing);
     let right: Vec<_> = scenes.iter().map(outcome).collect();
+    let own_right: Vec<_> = own.iter().map(|(_, scene, set)| decisions::<SpecRules>(scene, set)).collect();
     let mut lost = Vec::new();
     for &(mistake, what) in ALL.iter().filter(|(mistake, _)| *mistake != Mistake::Nothing) {
         plant(mistake);
         let of_file = scenes.iter().zip(&right).filter(|(scene, right)| outcome(scene) != **right);
         let of_file = of_file.map(|(scene, _)| text(&scene["name"]));
-        let of_own = own
-            .iter()
-            .filter(|(_, scene, set)| decisions::<Mistaken>(scene, set) != decisions::<SpecRules>(scene, set));
+        let of_own = own.iter().zip(&own_right);
+        let of_own = of_own.filter(|((_, scene, set), right)| decisions::<Mistaken>(scene, set) != **right);
         // One is enough.
-        match of_file.chain(of_own.map(|(name, _, _)| *name)).next() {
+        match of_file.chain(of_own.map(|((name, _, _), _)| *name)).next() {
             Some(scene) => println!("{what}: {scene}"),
             None => lost.push(what),
         }

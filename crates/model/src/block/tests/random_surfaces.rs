@@ -77,6 +77,16 @@ fn runs_through_itself((vertices, faces): &Mesh) -> bool {
 
 #[test]
 fn small_grids_agree_with_clipping() {
+    agree_on_small_grids(8_000);
+}
+
+#[test]
+#[ignore = "three seconds; .ci/run runs it"]
+fn small_grids_agree_with_clipping_at_full_size() {
+    agree_on_small_grids(20_000);
+}
+
+fn agree_on_small_grids(surfaces: usize) {
     // Octahedra with corners on a grid of 4³ points are full of ties; both answers must be frequent.
     let mut seed = 7_u64;
     let mut random = |below: u64| {
@@ -85,7 +95,7 @@ fn small_grids_agree_with_clipping() {
     };
     let faces = octahedron(1).1;
     let (mut whole, mut pierced) = (0, 0);
-    for _ in 0..20_000 {
+    for _ in 0..surfaces {
         let vertices: Vec<Point> = (0..6)
             .map(|_| Vec3::new(random(4), random(4), random(4)).map(|&c| Number::from_integer(c as i32)))
             .collect();
@@ -98,7 +108,7 @@ fn small_grids_agree_with_clipping() {
         *(if expected { &mut pierced } else { &mut whole }) += 1;
         assert_eq!(runs_through_itself(&mesh), expected, "{mesh:?}");
     }
-    assert!(whole > 200 && pierced > 200, "{whole} blocks, {pierced} refused");
+    assert!(whole * 100 > surfaces && pierced * 100 > surfaces, "{whole} blocks, {pierced} refused");
 }
 
 proptest! {
