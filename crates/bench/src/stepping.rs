@@ -50,6 +50,7 @@ pub fn wall(bricks: u16) -> Result<Scene, BlockError> {
         let block = cuboid([x, 0, z], [x + 2, 1, z + 1])?;
         scene.blocks.push(SceneBlock::new(format!("brick_{brick}"), block));
     }
+    scene.share_shapes();
     Ok(scene)
 }
 
@@ -66,6 +67,7 @@ pub fn stack(cubes: u16) -> Result<Scene, BlockError> {
     for number in 1..=i32::from(cubes) {
         scene.blocks.push(SceneBlock::new(format!("cube_{number}"), cube(number)?));
     }
+    scene.share_shapes();
     Ok(scene)
 }
 
@@ -97,6 +99,7 @@ pub fn rock(blocks: u16) -> Result<Scene, BlockError> {
         let block = piece([2 * (place % side) + moved, 2 * (place / side) + moved, 2 * layer], [2; 3])?;
         scene.blocks.push(SceneBlock::new(format!("piece_{number}"), block));
     }
+    scene.share_shapes();
     Ok(scene)
 }
 

@@ -62,7 +62,7 @@ numbers_of! {
 
 /// How the faces of a block fit together. Vertices and faces are numbered as in the input, edges by the sorted pair
 /// of their vertex indices (SPEC section 4, "Result").
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Topology {
     vertex_count: usize,
     faces: Vec<Vec<VertexId>>,
@@ -73,7 +73,7 @@ pub struct Topology {
 }
 
 /// Lists of numbers, one behind the other: of a small block, vectors of vectors would take several times the memory.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Lists<T> {
     ends: Vec<u32>,
     numbers: Vec<T>,
@@ -100,7 +100,7 @@ impl<T: Copy> Lists<T> {
 }
 
 /// An edge from vertex `p` to vertex `q`, `p < q`, with its direction `d = q − p`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Edge {
     /// Vertex with the lower index; the edge's direction starts here.
     pub p: VertexId,

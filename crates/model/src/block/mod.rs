@@ -8,6 +8,7 @@ mod measure;
 mod merge;
 mod planarity;
 mod polynomials;
+mod shapes;
 mod simple;
 mod triangles;
 
@@ -17,6 +18,7 @@ mod tests;
 pub use error::BlockError;
 pub use measure::Bounds;
 pub(crate) use measure::cuboid_mesh;
+pub use shapes::Shapes;
 
 use crate::number::{Number, Precision};
 use crate::ring::Ring;
@@ -35,7 +37,7 @@ pub struct Block {
 }
 
 /// What does not change when a block is moved or its coordinates are rounded.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct BlockShape {
     topology: Topology,
     edge_convex: Vec<bool>,

@@ -21,7 +21,7 @@ pub use error::{BlockPlace, SceneError, SceneProblem, VertexPlace};
 pub use format::SceneFormat;
 pub use write::{FormatError, losses, write, write_tolerances, write_toml};
 
-use crate::block::{Block, BlockOptions, Merged, Merging};
+use crate::block::{Block, BlockOptions, Merged, Merging, Shapes};
 use crate::files::{read_limited, without_mark};
 use crate::number::Number;
 use crate::simulation::{Body, Motion, Simulation, derive_stiffness};
@@ -214,6 +214,12 @@ impl Scene {
         self.blocks.iter().map(|b| &b.block).collect()
     }
 
+    /// Lets blocks of one shape hold it together, which takes less memory. Blocks that were read do.
+    pub fn share_shapes(&mut self) {
+        let mut shapes = Shapes::default();
+        self.blocks.iter_mut().for_each(|block| shapes.share(&mut block.block));
+    }
+
     /// Whether each block is fixed, in order.
     pub fn fixed(&self) -> Vec<bool> {
         self.blocks.iter().map(|b| b.body.is_fixed()).collect()
@@ -250,6 +256,7 @@ impl ToleranceSpec {
 #[derive(Default)]
 struct SceneBuilder {
     blocks: Vec<SceneBlock>,
+    shapes: Shapes,
     problems: Vec<SceneError>,
     count: usize,
 }
@@ -320,6 +327,7 @@ impl SceneBuilder {
             match Block::new(vertices, block.block.topology().faces().to_vec(), &options) {
                 Ok(scaled) => {
                     block.block = scaled;
+                    self.shapes.share(&mut block.block);
                     self.blocks.push(block);
                 }
                 Err(error) => {
@@ -335,6 +343,7 @@ impl SceneBuilder {
         match assembly.build(raw, index, self.count) {
             Ok(mut block) => {
                 patch.apply(&mut block.body);
+                self.shapes.share(&mut block.block);
                 self.blocks.push(block);
             }
             Err(problem) => self.problems.push(problem),

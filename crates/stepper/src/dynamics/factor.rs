@@ -10,8 +10,7 @@ use crate::dynamics::subtrees::{Division, Subtrees};
 use crate::real::Real;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::BlockStructure;
-use faer::linalg::matmul::{matmul, triangular};
+use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::traits::RealField;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
@@ -22,13 +21,10 @@ use std::ops::Range;
 /// Subtrees of less work than this, in multiplications, are not worth another thread.
 const WORTH_A_THREAD: u64 = 1_000_000;
 
-/// Of updates that are wider than this, the square is worked out by half.
-const WIDE: usize = 36;
-
 /// The columns of a panel that is wider than this are gathered by parts of about so many.
 const PART: usize = 48;
 
-/// So many rows below a panel's square are divided by its factor at a time.
+/// So many rows of products are worked out, and so many rows below a panel's square divided by its factor, at a time.
 const ROWS: usize = 96;
 
 /// Cholesky's method, left-looking: each panel that is marked is filled, gathers what the earlier ones take from it, then is factored as
@@ -201,12 +197,15 @@ fn parts(pattern: &Pattern, panel: &Panel) -> Vec<Range<usize>> {
 /// Memory for products, used again and again.
 struct Room<R> {
     products: Vec<R>,
-    runs: Vec<[usize; 3]>,
+    columns: Vec<Run>,
+    rows: Vec<Run>,
+    /// Those of the rows of which the products are worked out.
+    part: Vec<Run>,
 }
 
 impl<R> Default for Room<R> {
     fn default() -> Room<R> {
-        Room { products: Vec::new(), runs: Vec::new() }
+        Room { products: Vec::new(), columns: Vec::new(), rows: Vec::new(), part: Vec::new() }
     }
 }
 
@@ -235,7 +234,8 @@ impl<R: Real + RealField> Taking<'_, R> {
         }
     }
 
-    /// Of an earlier panel: its rows in these columns, in later ones of the same panel, and in later panels.
+    /// Of an earlier panel: its rows in these columns, in later ones of the same panel, and in later panels. Products are worked out and
+    /// subtracted some rows at a time: they, and what the kernels pack for them, stay in the cache and take little memory.
     fn take_from(
         &self,
         from: &Panel,
@@ -247,17 +247,14 @@ impl<R: Real + RealField> Taking<'_, R> {
         let first = inside[0].row as usize;
         let end = beside.first().or(after.first()).map_or(from.height, |below| below.row as usize);
         let (height, width) = (from.height - first, end - first);
-        if room.products.len() < height * width {
-            room.products.resize(height * width, R::ZERO);
-        }
-        let products = &mut room.products[..height * width];
-        let values = from.values - self.base;
-        let values = &self.earlier[values..values + from.height * from.width];
-        let factor = MatRef::from_column_major_slice(values, from.height, from.width);
-        multiply(factor.subrows(first, height), factor.subrows(first, width), products);
-        // Rows that follow one another in both: where they begin here and there, and how many they are.
-        room.runs.clear();
+        let Room { products, columns: across, rows, part } = room;
+        across.clear();
+        rows.clear();
         let column = |below: &PanelRow| pattern.unknowns(below.node as usize).start - panel.begin;
+        let count = |below: &PanelRow| pattern.unknowns(below.node as usize).len();
+        for below in inside {
+            add_run(across, below.row as usize - first, column(below) - self.part.start, count(below));
+        }
         let own = inside.iter().chain(beside).map(|below| (below, column(below)));
         let mut below = pattern.below(panel).iter();
         let later = after.iter().filter_map(|node| {
@@ -265,34 +262,76 @@ impl<R: Real + RealField> Taking<'_, R> {
             Some((node, found.row as usize))
         });
         for (node, row) in own.chain(later) {
-            let (here, count) = (node.row as usize - first, pattern.unknowns(node.node as usize).len());
-            match room.runs.last_mut() {
-                Some([from, to, length]) if *from + *length == here && *to + *length == row => *length += count,
-                _ => room.runs.push([here, row, count]),
-            }
+            add_run(rows, node.row as usize - first, row, count(node));
         }
-        for below in inside {
-            let there = column(below) - self.part.start;
-            let count = pattern.unknowns(below.node as usize).len();
+        let values = from.values - self.base;
+        let values = &self.earlier[values..values + from.height * from.width];
+        let factor = MatRef::from_column_major_slice(values, from.height, from.width);
+        let mut begin = 0;
+        while begin < height {
+            let end = height.min(begin + ROWS);
+            // What lies above the diagonal means nothing.
+            let (count, width) = (end - begin, width.min(end));
+            if products.len() < count * width {
+                products.resize(count * width, R::ZERO);
+            }
+            let products = &mut products[..count * width];
+            let into = MatMut::from_column_major_slice_mut(&mut *products, count, width);
+            let across_rows = factor.subrows(first, width).transpose();
+            matmul(into, Accum::Replace, factor.subrows(first + begin, count), across_rows, R::from_f64(1.0), Par::Seq);
+            part.clear();
+            part.extend(rows.iter().filter_map(|run| run.within(begin, end)));
             Arch::new().dispatch(Subtracting {
-                from: &products[(below.row as usize - first) * height..][..count * height],
-                height,
-                into: &mut columns[there * panel.height..][..count * panel.height],
+                from: products,
+                height: count,
+                into: columns,
                 into_height: panel.height,
-                runs: &room.runs,
+                columns: across,
+                rows: part,
             });
+            begin = end;
         }
     }
 }
 
-/// Subtracting rows of some columns from rows of as many others.
+/// Rows or columns that follow one another both in products and where they are subtracted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Run {
+    /// The first in the products.
+    here: usize,
+    /// Where it is subtracted.
+    there: usize,
+    count: usize,
+}
+
+impl Run {
+    /// What stands between two rows of the products, numbered from the first of these.
+    fn within(self, begin: usize, end: usize) -> Option<Run> {
+        let (first, last) = (self.here.max(begin), (self.here + self.count).min(end));
+        (first < last).then(|| Run {
+            here: first - begin,
+            there: self.there + (first - self.here),
+            count: last - first,
+        })
+    }
+}
+
+/// Adds rows or columns to those before them.
+fn add_run(runs: &mut Vec<Run>, here: usize, there: usize, count: usize) {
+    match runs.last_mut() {
+        Some(last) if last.here + last.count == here && last.there + last.count == there => last.count += count,
+        _ => runs.push(Run { here, there, count }),
+    }
+}
+
+/// Subtracting products from columns of a panel.
 struct Subtracting<'s, R> {
     from: &'s [R],
     height: usize,
     into: &'s mut [R],
     into_height: usize,
-    /// Where the rows begin here and there, and how many they are.
-    runs: &'s [[usize; 3]],
+    columns: &'s [Run],
+    rows: &'s [Run],
 }
 
 impl<R: Real> WithSimd for Subtracting<'_, R> {
@@ -300,30 +339,17 @@ impl<R: Real> WithSimd for Subtracting<'_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for (from, into) in self.from.chunks_exact(self.height).zip(self.into.chunks_exact_mut(self.into_height)) {
-            for &[here, there, count] in self.runs {
-                // What lies above the diagonal means nothing.
-                for (value, &product) in into[there..there + count].iter_mut().zip(&from[here..here + count]) {
-                    *value = *value - product;
+        for columns in self.columns {
+            let from = self.from.chunks_exact(self.height).skip(columns.here).take(columns.count);
+            let into = self.into.chunks_exact_mut(self.into_height).skip(columns.there);
+            for (from, into) in from.zip(into) {
+                for &Run { here, there, count } in self.rows {
+                    // What lies above the diagonal means nothing.
+                    for (value, &product) in into[there..there + count].iter_mut().zip(&from[here..here + count]) {
+                        *value = *value - product;
+                    }
                 }
             }
         }
-    }
-}
-
-/// `rows · acrossᵀ`, of which the first rows are those across; what lies above the diagonal there may be left as it was.
-fn multiply<R: Real + RealField>(rows: MatRef<'_, R>, across: MatRef<'_, R>, into: &mut [R]) {
-    let (height, width) = (rows.nrows(), across.nrows());
-    let (across, one) = (across.transpose(), R::from_f64(1.0));
-    let into = MatMut::from_column_major_slice_mut(into, height, width);
-    // Half of a wide square is not needed.
-    if width > WIDE {
-        let (square, rest) = into.split_at_row_mut(width);
-        let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-        let own = rows.subrows(0, width);
-        triangular::matmul(square, lower, Accum::Replace, own, full, across, full, one, Par::Seq);
-        matmul(rest, Accum::Replace, rows.subrows(width, height - width), across, one, Par::Seq);
-    } else {
-        matmul(into, Accum::Replace, rows, across, one, Par::Seq);
     }
 }

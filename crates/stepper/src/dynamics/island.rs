@@ -292,10 +292,10 @@ impl<R: Solve> BySingle<'_, '_, '_, R> {
         single.stale.iter_mut().zip(marked).for_each(|(stale, &marked)| *stale |= marked);
         // Where the factor was of no use it is not tried again before much less changes.
         let before = single.before.take();
-        if let Some(before) = before.filter(|_| news < single.gave_up / 2) {
+        if before.is_some() && news < single.gave_up / 2 {
             let preconditioner = FactorInF32 { pattern, values };
             let refining = ConjugateGradients { products, preconditioner: &preconditioner };
-            single.before = refining.solve(force, Some(&before), Patience::OLD_FACTOR);
+            single.before = refining.solve(force, before.as_deref(), Patience::old_factor(news));
             iteration_times.substitution += begun.elapsed();
             if single.before.is_some() {
                 return true;
@@ -315,7 +315,7 @@ impl<R: Solve> BySingle<'_, '_, '_, R> {
         let begun = Instant::now();
         let preconditioner = FactorInF32 { pattern, values };
         let refining = ConjugateGradients { products, preconditioner: &preconditioner };
-        single.before = factored.ok().and_then(|()| refining.solve(force, None, Patience::NEW_FACTOR));
+        single.before = factored.ok().and_then(|()| refining.solve(force, before.as_deref(), Patience::NEW_FACTOR));
         iteration_times.substitution += begun.elapsed();
         single.before.is_some()
     }

@@ -3,6 +3,8 @@
 #[cfg(test)]
 mod bricks;
 #[cfg(test)]
+mod refinement_tests;
+#[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod two_level_tests;

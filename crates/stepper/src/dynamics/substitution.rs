@@ -18,18 +18,19 @@ const WORTH_A_THREAD: u64 = 100_000;
 
 /// Solves in place by the values of a factor.
 pub(super) fn substitute<R: Real + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
-    substitute_by(WORTH_A_THREAD, pattern, values, solution);
+    let substitution = Substitution::new(pattern, values, WORTH_A_THREAD);
+    substitution.forth(solution);
+    substitution.back(solution);
 }
 
-/// The same, where subtrees of fewer values than a number are not worth another thread.
-fn substitute_by<R: Real + Send + Sync>(worth: u64, pattern: &Pattern, values: &[R], solution: &mut [R]) {
-    let panels = pattern.panels();
-    let subtrees = Subtrees::new(pattern, worth, |panel| (panels[panel].width * panels[panel].height) as u64);
-    let mut below = vec![R::ZERO; pattern.rows_below()];
-    let substitution = Substitution { pattern, values, subtrees };
-    let all = substitution.subtrees.all();
-    substitution.forward(all.clone(), Numbers { own: solution, below: &mut below });
-    substitution.backward(all, Numbers { own: solution, below: &mut below });
+/// The first half of it: `L⁻¹` times the right side.
+pub(super) fn forward<R: Real + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
+    Substitution::new(pattern, values, WORTH_A_THREAD).forth(solution);
+}
+
+/// The second half.
+pub(super) fn backward<R: Real + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
+    Substitution::new(pattern, values, WORTH_A_THREAD).back(solution);
 }
 
 /// What is to be done, the same for all threads.
@@ -51,7 +52,24 @@ impl<R> Numbers<'_, R> {
     }
 }
 
-impl<R: Real + Send + Sync> Substitution<'_, R> {
+impl<'s, R: Real + Send + Sync> Substitution<'s, R> {
+    /// Subtrees of fewer values than `worth` are not worth another thread.
+    fn new(pattern: &'s Pattern, values: &'s [R], worth: u64) -> Substitution<'s, R> {
+        let panels = pattern.panels();
+        let subtrees = Subtrees::new(pattern, worth, |panel| (panels[panel].width * panels[panel].height) as u64);
+        Substitution { pattern, values, subtrees }
+    }
+
+    fn forth(&self, solution: &mut [R]) {
+        let mut below = vec![R::ZERO; self.pattern.rows_below()];
+        self.forward(self.subtrees.all(), Numbers { own: solution, below: &mut below });
+    }
+
+    fn back(&self, solution: &mut [R]) {
+        let mut below = vec![R::ZERO; self.pattern.rows_below()];
+        self.backward(self.subtrees.all(), Numbers { own: solution, below: &mut below });
+    }
+
     /// The numbers of some panels, which belong to those that begin with `first`, before and after another panel.
     fn split<'n>(&self, numbers: Numbers<'n, R>, first: usize, at: usize) -> [Numbers<'n, R>; 2] {
         let [first, at] = [first, at].map(|panel| &self.pattern.panels()[panel]);

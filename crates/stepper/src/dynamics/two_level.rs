@@ -6,7 +6,7 @@
 //! panels of the coarse level, whose contacts come one after another: the same bits on any number of threads.
 
 use crate::dynamics::block_inverse::BlockInverse;
-use crate::dynamics::conjugate_gradients::Preconditioner;
+use crate::dynamics::conjugate_gradients::{Measured, Preconditioner, dot};
 use crate::dynamics::contact::Resistance;
 use crate::dynamics::displacement::{BlockVector, displacement, generalized};
 use crate::dynamics::groups::Groups;
@@ -64,7 +64,15 @@ impl<'t, 's, R: Solve> TwoLevel<'t, 's, R> {
 }
 
 impl<R: Solve> Preconditioner<R> for TwoLevel<'_, '_, R> {
-    fn precondition(&self, residual: &[R]) -> Option<Vec<R>> {
+    fn measure(&self, residual: &[R]) -> Option<Measured<'_, R>> {
+        let direction = self.precondition(residual)?;
+        Some(Measured { square: dot(residual, &direction), direction: Box::new(|| direction) })
+    }
+}
+
+impl<R: Solve> TwoLevel<'_, '_, R> {
+    /// M⁻¹ times a residual.
+    pub(super) fn precondition(&self, residual: &[R]) -> Option<Vec<R>> {
         let (coarse, fine) = (&self.groups.pattern, &self.system.layout.pattern);
         let mut sums = vec![R::ZERO; coarse.size()];
         for (place, (&arm, &group)) in self.arms.iter().zip(&self.groups.of_place).enumerate() {

@@ -2,7 +2,7 @@
 
 use super::bricks::bricks;
 use super::*;
-use crate::dynamics::conjugate_gradients::{ConjugateGradients, Patience, Preconditioner};
+use crate::dynamics::conjugate_gradients::{ConjugateGradients, Patience};
 use crate::dynamics::displacement::displacement;
 use crate::dynamics::elimination_order::{Graph, Renumbered, elimination_order};
 use crate::dynamics::island::{BySingle, SingleFactor, islands};
@@ -19,7 +19,7 @@ fn with_system(size: [u32; 3], motion: Motion, check: impl Fn(&System<'_, f64>, 
 }
 
 /// The same by a solver and with a Δt (s).
-fn with_system_of(
+pub(super) fn with_system_of(
     size: [u32; 3],
     motion: Motion,
     (solver, time_step): (Solver, f64),
@@ -175,7 +175,7 @@ fn a_factor_that_takes_more_memory_than_all_else_is_the_last_resort() {
 }
 
 /// The solution by a factor in f64.
-fn direct(system: &System<'_, f64>) -> Vec<f64> {
+pub(super) fn direct(system: &System<'_, f64>) -> Vec<f64> {
     let pattern = &system.layout.pattern;
     let all = vec![true; pattern.panel_count()];
     let bearing = system.bearing(&all);

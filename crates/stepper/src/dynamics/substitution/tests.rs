@@ -77,7 +77,11 @@ fn a_solution_is_the_same_bits_however_it_is_shared() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             for worth in [1, 100, 3000, u64::MAX / 2] {
                 let mut solution = numbers(pattern.size());
-                pool.install(|| substitute_by(worth, &pattern, &values, &mut solution));
+                pool.install(|| {
+                    let substitution = Substitution::new(&pattern, &values, worth);
+                    substitution.forth(&mut solution);
+                    substitution.back(&mut solution);
+                });
                 assert!(solution == expected, "{side}, {threads} threads, {worth}");
             }
         }
