@@ -20,7 +20,6 @@ mod digits;
 mod radius;
 
 use self::digits::{DIGIT, Fraction, Long, MAX_DIGITS};
-use self::radius::Radius;
 use num_bigint::{BigInt, Sign as BigSign};
 use num_rational::BigRational;
 use rockproof_model::Number;
@@ -37,10 +36,10 @@ pub const BITS: u32 = 512;
 pub struct Wide {
     /// The significand's digits, the lowest first. The last ones are used, as many as `length` says; the others are zero.
     digits: [u64; MAX_DIGITS],
-    /// The middle is ±(the digits used, after a binary point)·2^exponent.
+    /// The middle is ±(the digits used, after a binary point)·2^exponent. Of zero, what its radius is counted in.
     exponent: i64,
-    /// The error is not above it. Unknown for a quotient by something that may be zero, and for the root of a negative number.
-    radius: Radius,
+    /// The error is not above it, in units of 2^exponent. Unknown for a quotient by something that may be zero, and for the root of a negative number.
+    radius: f64,
     /// None for zero. Else the highest bit of the digits used is set, and the lowest of these digits is not zero.
     length: u8,
     negative: bool,
@@ -133,9 +132,9 @@ pub(crate) fn is_given_up() -> bool {
 impl Wide {
     /// Zero, exactly.
     pub const EXACT_ZERO: Wide =
-        Wide { digits: [0; MAX_DIGITS], exponent: 0, radius: Radius::EXACT, length: 0, negative: false };
+        Wide { digits: [0; MAX_DIGITS], exponent: 0, radius: radius::EXACT, length: 0, negative: false };
 
-    const NOT_KNOWN: Wide = Wide { radius: Radius::UNKNOWN, ..Wide::EXACT_ZERO };
+    const NOT_KNOWN: Wide = Wide { radius: radius::UNKNOWN, ..Wide::EXACT_ZERO };
 
     /// The number an f64 stands for, exactly; unknown for NaN and infinities.
     pub fn of_f64(value: f64) -> Wide {
@@ -147,7 +146,7 @@ impl Wide {
             significand < 0,
             &[significand.unsigned_abs()],
             i64::from(exponent) + i64::from(DIGIT),
-            Radius::EXACT,
+            radius::EXACT,
         )
     }
 
@@ -164,7 +163,7 @@ impl Wide {
     pub fn of_integer(value: &BigInt) -> Wide {
         let digits: Vec<u64> = value.iter_u64_digits().collect();
         let exponent = digits.len() as i64 * i64::from(DIGIT);
-        Wide::rounded(value.sign() == BigSign::Minus, &digits, exponent, Radius::EXACT)
+        Wide::rounded(value.sign() == BigSign::Minus, &digits, exponent, radius::EXACT)
     }
 
     /// The digits of the significand that are used.
@@ -183,7 +182,7 @@ impl Wide {
 
     /// Whether no operation that led here rounded.
     pub fn is_exact(self) -> bool {
-        self.radius.is_exact()
+        self.radius == radius::EXACT
     }
 
     /// Whether it is zero, and no operation that led here rounded.
@@ -193,7 +192,7 @@ impl Wide {
 
     /// Whether the value is a number at all.
     pub fn is_known(self) -> bool {
-        self.radius.is_known()
+        self.radius < radius::UNKNOWN
     }
 
     /// The middle, exactly; `None` if unknown.
@@ -204,7 +203,7 @@ impl Wide {
         let sign = if self.negative { BigSign::Minus } else { BigSign::Plus };
         let bytes: Vec<u8> = self.used().iter().flat_map(|digit| digit.to_le_bytes()).collect();
         let significand = BigInt::from_bytes_le(sign, &bytes);
-        let exponent = self.exponent - i64::from(self.length) * i64::from(DIGIT);
+        let exponent = if self.is_zero() { 0 } else { self.exponent - i64::from(self.length) * i64::from(DIGIT) };
         let power = BigInt::from(1) << exponent.unsigned_abs();
         let ratio = match exponent.is_negative() {
             true => BigRational::new(significand, power),
@@ -248,7 +247,7 @@ impl Wide {
         if difference.is_settled() {
             larger
         } else {
-            Wide { radius: self.radius.plus(other.radius).plus(difference.radius), ..larger }
+            [self, other, difference].iter().fold(larger, |larger, ball| larger.widened(ball.radius, ball.exponent))
         }
     }
 
@@ -293,37 +292,38 @@ impl Wide {
         if !self.is_known() || (self.negative && !is_zero && self.is_settled()) {
             return Wide::NOT_KNOWN;
         }
-        // |√x − √y| ≤ √|x − y|
-        if self.negative || is_zero {
-            return Wide { radius: self.radius.root(), ..Wide::EXACT_ZERO };
-        }
         // An even exponent, and a quarter at least below the root, which is a half then.
         let shift = self.exponent.rem_euclid(2);
+        let exponent = (self.exponent + shift) / 2;
+        let own = self.radius * radius::power(-shift);
+        // |√x − √y| ≤ √|x − y|
+        let of_radius = radius::rounded_up(own.sqrt());
+        if self.negative || is_zero {
+            return Wide::around_zero(of_radius, exponent);
+        }
         let count = KEPT.get();
         let (root, cut) = digits::root(Fraction(self.used()), shift as u32, count);
-        let middle = Wide::cut(false, &root[..count], (self.exponent + shift) / 2, cut);
-        let inherited = if self.is_settled() {
-            // |√(x+δ) − √x| ≤ |δ| / √x
-            self.radius.over(middle.at_least())
-        } else {
-            self.radius.root()
-        };
-        Wide { radius: middle.radius.plus(inherited), ..middle }
+        let middle = Wide::cut(false, &root[..count], exponent, cut);
+        // |√(x+δ) − √x| ≤ |δ| / √x
+        let inherited = if self.is_settled() { radius::rounded_up(own / middle.at_least()) } else { of_radius };
+        middle.widened(inherited, exponent)
     }
 
     /// The digits after a point times 2^exponent, as many as are kept of which the highest has its highest bit set, and whether more were cut off.
     fn cut(negative: bool, digits: &[u64], exponent: i64, cut: bool) -> Wide {
-        let lost = Radius::power(exponent - digits.len() as i64 * i64::from(DIGIT));
-        Wide::rounded(negative, digits, exponent, if cut { lost } else { Radius::EXACT })
+        let lost = radius::power(-(digits.len() as i64 * i64::from(DIGIT)));
+        Wide::rounded(negative, digits, exponent, if cut { lost } else { radius::EXACT })
     }
 
-    /// The digits after a point times 2^exponent, cut to those that are kept.
-    fn rounded(negative: bool, digits: &[u64], exponent: i64, radius: Radius) -> Wide {
+    /// The digits after a point times 2^exponent, of which the radius is so many, cut to those that are kept.
+    fn rounded(negative: bool, digits: &[u64], exponent: i64, radius: f64) -> Wide {
         let Some(highest) = digits.iter().rposition(|&digit| digit != 0) else {
-            return Wide { radius, ..Wide::EXACT_ZERO };
+            return Wide::around_zero(radius, exponent);
         };
         let shift = digits[highest].leading_zeros();
-        let exponent = exponent - (digits.len() - 1 - highest) as i64 * i64::from(DIGIT) - i64::from(shift);
+        let down = (digits.len() - 1 - highest) as i64 * i64::from(DIGIT) + i64::from(shift);
+        let (whole_radius, whole_exponent) = (radius, exponent);
+        let exponent = exponent - down;
         let (count, available) = (KEPT.get(), highest + 1);
         let (rest, kept) = digits[..available].split_at(available.saturating_sub(count));
         let mut significand = [0; MAX_DIGITS];
@@ -342,8 +342,52 @@ impl Wide {
         }
         let zeros = into.iter().take_while(|&&digit| digit == 0).count();
         let length = (kept.len() - zeros) as u8;
-        let radius = if cut { radius.plus(Radius::power(exponent - count as i64 * i64::from(DIGIT))) } else { radius };
-        Wide { digits: significand, exponent, radius, length, negative }
+        let lost = if cut { radius::power(-(count as i64 * i64::from(DIGIT))) } else { radius::EXACT };
+        let radius = radius::rounded_up(radius::shifted(radius, down) + lost);
+        Wide { digits: significand, exponent, radius, length, negative }.bounded(whole_radius, whole_exponent)
+    }
+
+    /// The same number where its radius is not too large. Else zero with a radius that covers what is below 2^exponent and was so many of these off, or
+    /// unknown where that is.
+    #[inline(always)]
+    fn bounded(self, radius: f64, exponent: i64) -> Wide {
+        if self.radius <= radius::LARGEST { self } else { Wide::covering(radius, exponent) }
+    }
+
+    #[cold]
+    fn covering(radius: f64, exponent: i64) -> Wide {
+        Wide::around_zero(radius::rounded_up(radius + 1.0), exponent)
+    }
+
+    /// Zero but for an error of so many 2^exponent, of which it takes another exponent, so that products of such numbers keep theirs.
+    fn around_zero(radius: f64, exponent: i64) -> Wide {
+        if radius == radius::EXACT {
+            return Wide::EXACT_ZERO;
+        }
+        if !radius.is_finite() {
+            return Wide::NOT_KNOWN;
+        }
+        let (radius, up) = radius::split(radius);
+        Wide { radius, exponent: exponent + up, ..Wide::EXACT_ZERO }
+    }
+
+    /// The same middle with a radius to which so many 2^exponent are added.
+    fn widened(self, by: f64, exponent: i64) -> Wide {
+        if by == radius::EXACT {
+            return self;
+        }
+        if self.is_exact_zero() {
+            return Wide::around_zero(by, exponent);
+        }
+        let shift = exponent - self.exponent;
+        let added = radius::shifted(radius::shifted(by, shift.min(1023)), (shift - 1023).max(0));
+        let radius = radius::rounded_up(self.radius + added);
+        if radius <= radius::LARGEST || shift < 0 {
+            return Wide { radius, ..self }.bounded(radius, self.exponent);
+        }
+        // The middle is nothing beside it.
+        let own = radius::shifted(radius::rounded_up(self.radius + 1.0), -shift);
+        Wide::around_zero(radius::rounded_up(own + by), exponent)
     }
 
     /// The significand as a fraction of two digits, if it has no more.
@@ -352,104 +396,81 @@ impl Wide {
             .then(|| u128::from(self.digits[MAX_DIGITS - 1]) << DIGIT | u128::from(self.digits[MAX_DIGITS - 2]))
     }
 
-    /// A fraction of four digits times 2^exponent, cut to those that are kept.
-    fn of_short(negative: bool, upper: u128, lower: u128, exponent: i64, radius: Radius) -> Wide {
+    /// A fraction of four digits times 2^exponent, of which the radius is so many, cut to those that are kept.
+    #[inline(always)]
+    fn of_short(negative: bool, upper: u128, lower: u128, exponent: i64, radius: f64) -> Wide {
         if upper | lower == 0 {
-            return Wide { radius, ..Wide::EXACT_ZERO };
+            return Wide::around_zero(radius, exponent);
         }
-        let (upper, lower, exponent) = if upper == 0 { (lower, 0, exponent - 128) } else { (upper, lower, exponent) };
+        let (upper, lower, down) = if upper == 0 { (lower, 0, 128) } else { (upper, lower, 0) };
         let shift = upper.leading_zeros();
-        let exponent = exponent - i64::from(shift);
+        let down = down + i64::from(shift);
         let (upper, lower) = match shift {
             0 => (upper, lower),
             _ => (upper << shift | lower >> (128 - shift), lower << shift),
         };
         let mut digits = [0; MAX_DIGITS];
         (digits[MAX_DIGITS - 1], digits[MAX_DIGITS - 2]) = ((upper >> DIGIT) as u64, upper as u64);
-        let (length, radius) = match (lower == 0, KEPT.get() > 2) {
-            (true, _) => (if digits[MAX_DIGITS - 2] == 0 { 1 } else { 2 }, radius),
-            (false, true) => {
+        let mut length = if upper as u64 == 0 { 1 } else { 2 };
+        let mut lost = radius::EXACT;
+        if lower != 0 {
+            if KEPT.get() > 2 {
                 (digits[MAX_DIGITS - 3], digits[MAX_DIGITS - 4]) = ((lower >> DIGIT) as u64, lower as u64);
-                (if digits[MAX_DIGITS - 4] == 0 { 3 } else { 4 }, radius)
+                length = if lower as u64 == 0 { 3 } else { 4 };
+            } else {
+                lost = radius::power(-128);
             }
-            (false, false) => {
-                (if digits[MAX_DIGITS - 2] == 0 { 1 } else { 2 }, radius.plus(Radius::power(exponent - 128)))
-            }
-        };
-        Wide { digits, exponent, radius, length, negative }
+        }
+        let own = radius::rounded_up(radius * radius::power(down) + lost);
+        Wide { digits, exponent: exponent - down, radius: own, length, negative }.bounded(radius, exponent)
     }
 
-    /// The sum of two numbers of up to two digits, of which the larger comes first, where it needs no more than four.
-    fn short_sum(large: &Wide, small: &Wide, shift: u32, radius: Radius) -> Option<Wide> {
-        let (one, two) = (large.short()?, small.short()?);
-        if shift >= 128 {
+    /// The sum of two numbers of up to two digits that are not zero, where it needs no more than four.
+    #[inline(always)]
+    fn short_sum(&self, other: &Wide) -> Option<Wide> {
+        let (one, two) = (self.short()?, other.short()?);
+        let is_larger = (self.exponent, one) >= (other.exponent, two);
+        let (large, small, high, low) = if is_larger { (self, other, one, two) } else { (other, self, two, one) };
+        let shift = large.exponent - small.exponent;
+        let keeps_more = KEPT.get() > 2;
+        if shift >= if keeps_more { 128 } else { 127 } {
             return None;
         }
-        let (upper, lower) = if shift == 0 { (two, 0) } else { (two >> shift, two << (128 - shift)) };
+        let radius = large.radius + radius::shifted(small.radius, -shift);
+        let (upper, lower) = if shift == 0 { (low, 0) } else { (low >> shift, low << (128 - shift)) };
         if large.negative != small.negative {
             let (lower, borrow) = 0u128.overflowing_sub(lower);
-            let upper = one - upper - u128::from(borrow);
+            let upper = high - upper - u128::from(borrow);
             return Some(Wide::of_short(large.negative, upper, lower, large.exponent, radius));
         }
-        let (upper, carry) = one.overflowing_add(upper);
+        let (upper, carry) = high.overflowing_add(upper);
         if !carry {
             return Some(Wide::of_short(large.negative, upper, lower, large.exponent, radius));
         }
-        if lower & 1 == 1 {
+        if lower & 1 == 1 && keeps_more {
             return None;
         }
-        let (upper, lower) = (1 << 127 | upper >> 1, upper << 127 | lower >> 1);
-        Some(Wide::of_short(large.negative, upper, lower, large.exponent + 1, radius))
+        // The last bit is kept as one that is cut.
+        let (upper, lower) = (1 << 127 | upper >> 1, upper << 127 | lower >> 1 | lower & 1);
+        Some(Wide::of_short(large.negative, upper, lower, large.exponent + 1, radius * 0.5))
     }
 
-    /// Not above the middle's magnitude.
-    fn at_least(self) -> Radius {
-        Radius::below(self.leading(), self.exponent - i64::from(DIGIT))
-    }
-
-    /// Not below the middle's magnitude.
-    fn at_most(self) -> Radius {
-        if self.is_zero() { Radius::EXACT } else { Radius::beyond(self.leading(), self.exponent - i64::from(DIGIT)) }
-    }
-
-    /// Whether the sign is certain.
-    fn is_settled(self) -> bool {
-        self.radius.is_exact() || self.radius < self.at_least()
-    }
-}
-
-impl Neg for Wide {
-    type Output = Wide;
-    fn neg(self) -> Wide {
-        Wide { negative: !self.negative, ..self }
-    }
-}
-
-impl Add for Wide {
-    type Output = Wide;
-    fn add(self, other: Wide) -> Wide {
+    /// The sum of two numbers that are not zero.
+    #[inline(never)]
+    fn long_sum(&self, other: &Wide) -> Wide {
         if !self.is_known() || !other.is_known() {
             return Wide::NOT_KNOWN;
-        }
-        let radius = self.radius.plus(other.radius);
-        if self.is_zero() {
-            return Wide { radius, ..other };
-        }
-        if other.is_zero() {
-            return Wide { radius, ..self };
         }
         let is_larger = match self.exponent.cmp(&other.exponent) {
             Ordering::Equal => Fraction(self.used()).order(Fraction(other.used())).is_ge(),
             order => order.is_gt(),
         };
-        let (large, small) = if is_larger { (&self, &other) } else { (&other, &self) };
+        let (large, small) = if is_larger { (self, other) } else { (other, self) };
         let shift = large.exponent - small.exponent;
         if shift >= KEPT.get() as i64 * i64::from(DIGIT) - 1 {
-            return Wide { radius: radius.plus(small.at_most()), ..*large };
+            return large.widened(radius::rounded_up(small.radius + small.at_most()), small.exponent);
         }
-        if let Some(sum) = Wide::short_sum(large, small, shift as u32, radius) {
-            return sum;
-        }
+        let radius = large.radius + radius::shifted(small.radius, -shift);
         // A digit for what is carried, and one at the end for what is shifted beyond the last.
         let (whole, shift) = ((shift / i64::from(DIGIT)) as usize, (shift % i64::from(DIGIT)) as u32);
         let below = usize::from(large.length).max(whole + usize::from(small.length) + 1);
@@ -462,7 +483,48 @@ impl Add for Wide {
         } else {
             digits::subtract(sum, &shifted[..below - whole]);
         }
-        Wide::rounded(large.negative, sum, large.exponent + i64::from(DIGIT), radius)
+        Wide::rounded(
+            large.negative,
+            sum,
+            large.exponent + i64::from(DIGIT),
+            radius::shifted(radius, -i64::from(DIGIT)),
+        )
+    }
+
+    /// Not above the middle's magnitude, in units of 2^exponent.
+    fn at_least(&self) -> f64 {
+        radius::at_least(self.leading())
+    }
+
+    /// Not below it.
+    fn at_most(&self) -> f64 {
+        radius::at_most(self.leading())
+    }
+
+    /// Whether the sign is certain.
+    fn is_settled(&self) -> bool {
+        self.is_exact() || self.radius < self.at_least()
+    }
+}
+
+impl Neg for Wide {
+    type Output = Wide;
+    fn neg(self) -> Wide {
+        Wide { negative: !self.negative, ..self }
+    }
+}
+
+impl Add for Wide {
+    type Output = Wide;
+    #[inline]
+    fn add(self, other: Wide) -> Wide {
+        if self.is_zero() {
+            return other.widened(self.radius, self.exponent);
+        }
+        if other.is_zero() {
+            return self.widened(other.radius, other.exponent);
+        }
+        self.short_sum(&other).unwrap_or_else(|| self.long_sum(&other))
     }
 }
 
@@ -475,16 +537,12 @@ impl Sub for Wide {
 
 impl Mul for Wide {
     type Output = Wide;
+    #[inline]
     fn mul(self, other: Wide) -> Wide {
-        if !self.is_known() || !other.is_known() {
-            return Wide::NOT_KNOWN;
-        }
-        let radius = if self.is_exact() && other.is_exact() {
-            Radius::EXACT
-        } else {
-            let (own, foreign) = (self.at_most().plus(self.radius), other.at_most());
-            own.times(other.radius).plus(foreign.times(self.radius))
-        };
+        let inherited = (self.at_most() + self.radius) * other.radius + other.at_most() * self.radius;
+        // Two radii may have a product that f64 has none of.
+        let both = if self.is_exact() || other.is_exact() { radius::EXACT } else { f64::MIN_POSITIVE };
+        let radius = radius::rounded_up(inherited + both);
         let (negative, exponent) = (self.negative != other.negative, self.exponent + other.exponent);
         if let (Some(one), Some(two)) = (self.short(), other.short()) {
             let (upper, lower) = digits::short_product(one, two);
@@ -512,10 +570,12 @@ impl Div for Wide {
         if self.is_exact() && other.is_exact() {
             return middle;
         }
-        // |(A+α)/(B+β) − A/B| ≤ (|α| + |A/B|·|β|) / (|B| − |β|)
-        let quotient = middle.at_most().plus(middle.radius);
-        let inherited = self.radius.plus(quotient.times(other.radius)).over(other.at_least().less(other.radius));
-        Wide { radius: middle.radius.plus(inherited), ..middle }
+        // |(A+α)/(B+β) − A/B| ≤ (|α| + |A/B|·|β|) / (|B| − |β|), all in units of the powers of two that A and B have.
+        let unit = self.exponent - other.exponent;
+        let quotient = radius::shifted(radius::rounded_up(middle.at_most() + middle.radius), middle.exponent - unit);
+        let divisor = radius::rounded_down(other.at_least() - other.radius);
+        let inherited = radius::rounded_up((self.radius + quotient * other.radius) / divisor);
+        middle.widened(inherited, unit)
     }
 }
 

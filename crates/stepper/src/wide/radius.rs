@@ -1,231 +1,122 @@
-//! A bound on an error: 32 bits and an exponent, always rounded up. The oracle has bounds like it (`UpperBound`); neither side uses the other's
-//! arithmetic, so there are two.
+//! Bounds on errors, in units of the power of two that a number has for its exponent, as f64 that are always rounded up. Nothing is the bound of a value
+//! without error, infinity that of a value of which nothing is known. The oracle's balls have bounds of another kind; neither side uses the other's arithmetic.
 
-use std::cmp::Ordering;
+/// Makes up for the roundings of a few operations, each of which is off by at most 2⁻⁵³ of what it gives.
+const MORE: f64 = 1.0 + 16.0 * f64::EPSILON;
+/// Likewise, downwards.
+const LESS: f64 = 1.0 - 16.0 * f64::EPSILON;
+/// More than underflow takes away in a few operations.
+const UNDERFLOW: f64 = f64::MIN_POSITIVE;
 
-const BITS: u32 = 32;
-/// The exponent of a bound of nothing, and of no bound at all.
-const NOTHING: i64 = i64::MIN;
-const ANYTHING: i64 = i64::MAX;
+/// The bound of a value without error.
+pub(super) const EXACT: f64 = 0.0;
+/// The bound of a value of which nothing is known.
+pub(super) const UNKNOWN: f64 = f64::INFINITY;
+/// No number has a radius above this, but one of which nothing is known: so products and shifted sums do not overflow.
+pub(super) const LARGEST: f64 = f64::from_bits((1023 + 400) << 52);
 
-/// A magnitude that is not below the one meant, by a share of at most 2⁻³¹ for each operation. Powers of two alone would do as well, but double
-/// with every term of a sum, and a system of a hundred unknowns would be lost in them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Radius {
-    /// Zero, or with its top bit set.
-    digits: u32,
-    exponent: i64,
-}
-
-impl Radius {
-    /// The bound of a value without error.
-    pub(super) const EXACT: Radius = Radius { digits: 0, exponent: NOTHING };
-    /// The bound of a value nothing is known about.
-    pub(super) const UNKNOWN: Radius = Radius { digits: 0, exponent: ANYTHING };
-
-    /// 2^exponent.
-    pub(super) fn power(exponent: i64) -> Radius {
-        Radius { digits: 1 << (BITS - 1), exponent: exponent - i64::from(BITS - 1) }
-    }
-
-    /// Not below `digits·2^exponent`.
-    pub(super) fn above(digits: u64, exponent: i64) -> Radius {
-        let Some(surplus) = Radius::surplus(digits) else { return Radius::EXACT };
-        if surplus <= 0 {
-            return Radius { digits: (digits << -surplus) as u32, exponent: exponent + i64::from(surplus) };
-        }
-        let cut = (digits >> surplus) + u64::from(digits.trailing_zeros() < surplus.unsigned_abs());
-        if cut >> BITS == 0 {
-            Radius { digits: cut as u32, exponent: exponent + i64::from(surplus) }
-        } else {
-            Radius::power(exponent + i64::from(surplus) + i64::from(BITS))
-        }
-    }
-
-    /// Not above `digits·2^exponent`.
-    pub(super) fn below(digits: u64, exponent: i64) -> Radius {
-        let Some(surplus) = Radius::surplus(digits) else { return Radius::EXACT };
-        let cut = if surplus <= 0 { digits << -surplus } else { digits >> surplus };
-        Radius { digits: cut as u32, exponent: exponent + i64::from(surplus) }
-    }
-
-    /// Above `digits·2^exponent` with whatever follows these digits, of which the highest has its highest bit set.
-    pub(super) fn beyond(digits: u64, exponent: i64) -> Radius {
-        match ((digits >> BITS) as u32).checked_add(1) {
-            Some(digits) => Radius { digits, exponent: exponent + i64::from(BITS) },
-            None => Radius::power(exponent + 2 * i64::from(BITS)),
-        }
-    }
-
-    /// The bits of a number beyond those kept; `None` for zero.
-    fn surplus(digits: u64) -> Option<i32> {
-        (digits != 0).then(|| 32 - digits.leading_zeros() as i32)
-    }
-
-    /// Whether there is no error.
-    pub(super) fn is_exact(self) -> bool {
-        self.exponent == NOTHING
-    }
-
-    /// Whether there is a bound.
-    pub(super) fn is_known(self) -> bool {
-        self.exponent != ANYTHING
-    }
-
-    fn is_number(self) -> bool {
-        self.digits != 0
-    }
-
-    /// Not below the sum of two.
-    #[must_use]
-    pub(super) fn plus(self, other: Radius) -> Radius {
-        if !self.is_number() || !other.is_number() {
-            return if self.exponent == ANYTHING || other.is_exact() { self } else { other };
-        }
-        let (large, small) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
-        // Beyond 31 places nothing is left but the unit added for what is cut.
-        let shift = large.exponent.abs_diff(small.exponent);
-        let digits = if shift < 31 { u64::from(large.digits) << 31 } else { 0 };
-        if shift < 31 {
-            let sum = digits + (u64::from(small.digits) << (31 - shift));
-            return Radius::above(sum, large.exponent - 31);
-        }
-        Radius::above(u64::from(large.digits) + 2, large.exponent)
-    }
-
-    /// Not below the product of two; nothing if either is nothing.
-    #[must_use]
-    pub(super) fn times(self, other: Radius) -> Radius {
-        if self.is_exact() || other.is_exact() {
-            return Radius::EXACT;
-        }
-        if !self.is_known() || !other.is_known() {
-            return Radius::UNKNOWN;
-        }
-        Radius::above(u64::from(self.digits) * u64::from(other.digits), self.exponent + other.exponent)
-    }
-
-    /// Not below the quotient by a magnitude that is not above the divisor meant; unknown if that may be zero.
-    #[must_use]
-    pub(super) fn over(self, divisor: Radius) -> Radius {
-        if !self.is_known() || !divisor.is_number() {
-            return Radius::UNKNOWN;
-        }
-        if self.is_exact() {
-            return Radius::EXACT;
-        }
-        let dividend = u64::from(self.digits) << BITS;
-        Radius::above(dividend.div_ceil(u64::from(divisor.digits)), self.exponent - divisor.exponent - i64::from(BITS))
-    }
-
-    /// Not above the difference of a magnitude that is not above the one meant, and a smaller bound; nothing if it is not smaller.
-    #[must_use]
-    pub(super) fn less(self, other: Radius) -> Radius {
-        if other.is_exact() {
-            return self;
-        }
-        if other.partial_cmp(&self) != Some(Ordering::Less) {
-            return Radius::EXACT;
-        }
-        let shift = self.exponent.abs_diff(other.exponent);
-        if shift < 31 {
-            let difference = (u64::from(self.digits) << shift) - u64::from(other.digits);
-            return Radius::below(difference, other.exponent);
-        }
-        Radius::below(u64::from(self.digits) - 2, self.exponent)
-    }
-
-    /// Not below the square root.
-    #[must_use]
-    pub(super) fn root(self) -> Radius {
-        if !self.is_number() {
-            return self;
-        }
-        let odd = self.exponent.rem_euclid(2);
-        let square = u64::from(self.digits) << (30 + odd);
-        let root = square.isqrt();
-        Radius::above(root + u64::from(root * root < square), (self.exponent - 30 - odd) / 2)
+/// 2^exponent; the least normal number where it is below that, and infinity where it is above all.
+pub(super) fn power(exponent: i64) -> f64 {
+    match exponent {
+        ..=-1022 => UNDERFLOW,
+        -1021..=1023 => f64::from_bits(((exponent + 1023) as u64) << 52),
+        1024.. => f64::INFINITY,
     }
 }
 
-impl PartialOrd for Radius {
-    /// By size; a bound that is not there is above all others.
-    fn partial_cmp(&self, other: &Radius) -> Option<Ordering> {
-        // With the top bit set, the exponents decide first; nothing and anything have the extreme ones.
-        Some(self.exponent.cmp(&other.exponent).then(self.digits.cmp(&other.digits)))
-    }
+/// Not below a sum or product of bounds that was calculated in a few operations; nothing if that is nothing.
+pub(super) fn rounded_up(calculated: f64) -> f64 {
+    if calculated == EXACT { EXACT } else { calculated * MORE + UNDERFLOW }
 }
+
+/// Not above a positive number that was calculated in a few operations without underflow.
+pub(super) fn rounded_down(calculated: f64) -> f64 {
+    calculated * LESS
+}
+
+/// Not below the bound times 2^exponent; nothing if it is nothing.
+pub(super) fn shifted(bound: f64, exponent: i64) -> f64 {
+    if bound == EXACT { EXACT } else { bound * power(exponent) + UNDERFLOW }
+}
+
+/// A bound that is more than nothing as one from 1 to below 2, and the power of two that it was multiplied by.
+pub(super) fn split(bound: f64) -> (f64, i64) {
+    let bits = bound.max(UNDERFLOW).to_bits();
+    (f64::from_bits(bits & ((1 << 52) - 1) | 1023 << 52), (bits >> 52) as i64 - 1023)
+}
+
+/// Not below the leading digit of a fraction with whatever follows it.
+pub(super) fn at_most(leading: u64) -> f64 {
+    if leading == 0 { 0.0 } else { ((leading >> 11) + 1) as f64 * UNIT }
+}
+
+/// Not above it.
+pub(super) fn at_least(leading: u64) -> f64 {
+    (leading >> 11) as f64 * UNIT
+}
+
+/// 2⁻⁵³, what the last of the leading 53 bits of a fraction stands for.
+const UNIT: f64 = f64::EPSILON / 2.0;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_bigint::BigInt;
     use num_rational::BigRational;
-    use num_traits::{One, Zero, pow};
     use proptest::prelude::*;
 
-    fn value(radius: Radius) -> BigRational {
-        if radius.is_exact() {
-            return BigRational::zero();
-        }
-        let two = BigRational::from_integer(2.into());
-        let scale = pow(two, radius.exponent.unsigned_abs() as usize);
-        let digits = BigRational::from_integer(radius.digits.into());
-        if radius.exponent < 0 { digits / scale } else { digits * scale }
+    fn exactly(value: f64) -> BigRational {
+        BigRational::from_float(value).expect("a number")
     }
 
-    /// The value holds, and by no more than some units in its last place.
-    fn is_just_above(found: Radius, exact: &BigRational) {
-        let found = value(found);
-        assert!(found >= *exact);
-        assert!(found <= exact * (BigRational::one() + BigRational::new(8.into(), (1u64 << 31).into())));
+    fn power_of_two(exponent: i64) -> BigRational {
+        let power = BigRational::from_integer(BigInt::from(1) << exponent.unsigned_abs());
+        if exponent < 0 { power.recip() } else { power }
     }
 
-    fn radii() -> impl Strategy<Value = Radius> {
-        (any::<u64>(), 0u32..64, -60i64..60).prop_map(|(digits, cut, exponent)| Radius::above(digits >> cut, exponent))
+    fn bounds() -> impl Strategy<Value = f64> {
+        let any = (0u64..1 << 52, -1022i64..400)
+            .prop_map(|(digits, exponent)| (1.0 + digits as f64 * f64::EPSILON) * power(exponent));
+        prop_oneof![Just(EXACT), Just(UNDERFLOW), Just(LARGEST), any]
     }
 
     proptest! {
         #[test]
-        fn every_operation_rounds_up_and_by_little(a in radii(), b in radii(), digits in any::<u64>(), cut in 0u32..64) {
-            let exact = BigRational::from_integer((digits >> cut).into());
-            is_just_above(Radius::above(digits >> cut, 0), &exact);
-            let below = value(Radius::below(digits >> cut, 0));
-            prop_assert!(below <= exact);
-            is_just_above(a.plus(b), &(value(a) + value(b)));
-            is_just_above(a.times(b), &(value(a) * value(b)));
-            if b.is_exact() {
-                prop_assert!(!a.over(b).is_known());
-            } else {
-                is_just_above(a.over(b), &(value(a) / value(b)));
+        fn every_bound_rounds_up(a in bounds(), b in bounds(), c in bounds(), exponent in -2000i64..600) {
+            let (x, y, z) = (exactly(a), exactly(b), exactly(c));
+            prop_assert!(exactly(rounded_up(a + b + c)) >= &x + &y + &z);
+            if a * b + b * c > 0.0 || a * b + b * c == 0.0 && (b == 0.0 || a == 0.0 && c == 0.0) {
+                prop_assert!(exactly(rounded_up(a * b + b * c)) >= &x * &y + &y * &z);
             }
-            let root = value(a.root());
-            is_just_above(a.root().times(a.root()), &value(a));
-            prop_assert!(&root * &root >= value(a));
-            prop_assert_eq!(a < b, value(a) < value(b));
-            if b < a {
-                let exact = value(a) - value(b);
-                prop_assert!(value(a.less(b)) <= exact);
-                prop_assert!(value(a.less(b)) >= exact - value(a) / BigRational::from_integer((1u64 << 29).into()));
+            prop_assert!(exactly(shifted(a, exponent)) >= &x * power_of_two(exponent));
+            if a > EXACT {
+                let (one, up) = split(a);
+                prop_assert!((1.0..2.0).contains(&one) && exactly(one) * power_of_two(up) == x);
             }
+            prop_assert!((a == EXACT) == (shifted(a, exponent) == EXACT) && (a == EXACT) == (rounded_up(a) == EXACT));
+            // By little, where nothing underflows.
+            if a > 1e-200 {
+                let little = &x * (exactly(1.0) + power_of_two(-40));
+                prop_assert!(exactly(rounded_up(a)) <= little && exactly(shifted(a, 7)) <= little * power_of_two(7));
+            }
+            prop_assert!(power(exponent) >= UNDERFLOW && (exponent < -1022 || exactly(power(exponent)) == power_of_two(exponent)));
+        }
+
+        #[test]
+        fn leading_digits_lie_between_their_bounds(digit in prop_oneof![any::<u64>(), Just(u64::MAX), Just(1 << 63), Just(0)]) {
+            let unit = power_of_two(-64);
+            let (low, high) = (exactly(at_least(digit)), exactly(at_most(digit)));
+            let digit = BigRational::from_integer(digit.into());
+            prop_assert!(low <= &digit * &unit);
+            prop_assert!(high >= (&digit + exactly(1.0)) * &unit || high == exactly(0.0) && digit == exactly(0.0));
         }
     }
 
-    /// Digits that are all ones, but for some that are cut, round up to a power of two.
     #[test]
-    fn rounding_up_carries_into_the_exponent() {
-        let two = BigRational::from_integer(2.into());
-        for exponent in [-1000, 0, 1000] {
-            let scale = pow(two.clone(), 1000);
-            let scale = match exponent {
-                0 => BigRational::one(),
-                e if e < 0 => scale.recip(),
-                _ => scale,
-            };
-            for (digits, power) in [(u64::MAX, 64), ((1 << 33) - 1, 33), (u64::MAX << 31, 64)] {
-                let found = Radius::above(digits, exponent);
-                is_just_above(found, &(BigRational::from_integer(digits.into()) * &scale));
-                assert_eq!(value(found), pow(two.clone(), power) * &scale);
-            }
+    fn what_is_rounded_down_is_below_a_calculated_difference() {
+        for (one, other) in [(1.0, 0.1), (0.3, 0.1), (1.0, f64::EPSILON / 4.0)] {
+            let found: f64 = rounded_down(one - other);
+            assert!(exactly(found) <= exactly(one) - exactly(other) && found > 0.99 * (one - other));
         }
     }
 }

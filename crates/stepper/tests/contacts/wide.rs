@@ -273,6 +273,48 @@ fn fewer_bits_end_with_the_work_and_a_length_of_nothing_by_rounding_is_unsettled
     assert_eq!(wide::count_unsettled(|| wide::in_bits(128, || Wide::EXACT_ZERO.is_positive())), (false, 0));
 }
 
+/// A radius is counted in units of its number's size. That of zero has a size of its own: products of such numbers lose it neither by underflow nor by
+/// overflow.
+#[test]
+fn what_rounding_left_of_nothing_has_a_radius_of_any_size() {
+    let (one, half, third) = (Wide::of_f64(1.0), Wide::of_f64(0.5), Wide::of_f64(1.0) / Wide::of_f64(3.0));
+    for length in LENGTHS {
+        wide::in_bits(length, || {
+            let third = third + third * Wide::of_f64(2f64.powi(-70));
+            let nothing = third - third;
+            assert!(!nothing.is_exact() && nothing.middle() == Some(Number::from_integer(0)));
+            let power = (0..14).fold(nothing, |power, _| power * power);
+            assert!(!power.is_exact() && power.is_known());
+            for (sum, other, order) in [
+                (one + power, half, Some(Ordering::Greater)),
+                (power - one, half, Some(Ordering::Less)),
+                (third * power, one, Some(Ordering::Less)),
+            ] {
+                assert_eq!(wide::count_unsettled(|| sum.partial_cmp(&other)), (order, 0), "{length} bits");
+            }
+            let same = [power + Wide::EXACT_ZERO, Wide::EXACT_ZERO - power, power / third, power.larger(power)];
+            let (tiny, huge) = (Wide::of_f64(2f64.powi(-1000)), Wide::of_f64(2f64.powi(1000)));
+            for power in same {
+                assert!(!power.is_exact());
+                let still_small = (0..4).fold(power, |power, _| power * huge);
+                assert_eq!(wide::count_unsettled(|| still_small < half), (true, 0), "{length} bits");
+            }
+            let large = (0..4).fold(nothing, |large, _| large * huge);
+            assert!(large.is_known() && !(one + large).is_exact() && (tiny + large).is_known());
+            for sum in [one + large, large + one, tiny + large, large - tiny, (large + one) * (large + one)] {
+                assert!(sum.is_known());
+                assert_eq!(
+                    wide::count_unsettled(|| sum.partial_cmp(&half)),
+                    (Some(Ordering::Equal), 1),
+                    "{length} bits"
+                );
+            }
+            let back = (0..8).fold(large + one, |back, _| back * tiny);
+            assert_eq!(wide::count_unsettled(|| back.partial_cmp(&half)), (Some(Ordering::Less), 0), "{length} bits");
+        });
+    }
+}
+
 #[test]
 fn a_tie_of_rounded_values_is_unsettled_and_counted() {
     let third = Wide::of_number(&Number::from_rational(BigRational::new(1.into(), 3.into())));
