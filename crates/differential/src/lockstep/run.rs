@@ -376,17 +376,28 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             .map(|all| all.iter().map(|mode| crate::lockstep::state::float_mode(*mode)).collect())
             .collect();
         let attempt = PrescribedAttempt { time_step: answer.time_step, modes: &modes };
-        let after = |attempt| {
-            let mut again = self.dynamics.clone();
+        let mut again = self.dynamics.clone();
+        let mut step = |attempt| {
             again.restore(before.clone()).ok()?;
-            again.step_prescribed(&PrescribedStep { contacts: &answer.contacts, attempt }).ok()?;
-            exact_state(again.state()).ok()
+            let report = again.step_prescribed(&PrescribedStep { contacts: &answer.contacts, attempt }).ok()?;
+            let is_same = report.time_step == R::from_f64(answer.time_step).to_f64()
+                && modes.split_first().is_some_and(|(first, later)| {
+                    *first == again.first_modes() && again.modes().last().is_some_and(|found| found == later)
+                });
+            Some((exact_state(again.state()).ok()?, is_same))
         };
         let depth = |state: &exact::State| penetration(&self.rounded, state);
-        let [by_contacts, by_modes] = [after(None)?, after(Some(attempt))?];
+        let (by_contacts, is_same) = step(None)?;
         let contacts = depth(&by_contacts)?;
-        // Where the stepper comes to the oracle's modes by itself, it ends in the same state.
-        let modes = if by_modes == by_contacts { contacts } else { depth(&by_modes)? };
+        // Where the stepper comes to the oracle's modes and Δt by itself, blocks end in the same place.
+        let modes = if is_same {
+            contacts
+        } else {
+            match step(Some(attempt))?.0 {
+                by_modes if by_modes == by_contacts => contacts,
+                by_modes => depth(&by_modes)?,
+            }
+        };
         Some(StepPenetrations { stepper, contacts, modes, oracle })
     }
 }

@@ -14,8 +14,6 @@ pub(super) struct AcceptedAttempt<R> {
     pub(super) time_step: R,
     pub(super) ended: IterationResult<R>,
     pub(super) retries: Vec<Retry>,
-    /// The largest displacement of a vertex, squared (m²).
-    pub(super) farthest: R,
 }
 
 impl<R: Solve, M: StepRules> Dynamics<R, M> {
@@ -76,8 +74,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             };
             let Some((why, next)) = again else {
                 self.layouts.forget_unused();
-                let farthest = self.farthest(&ended.d);
-                return Ok(AcceptedAttempt { time_step, ended, retries, farthest });
+                return Ok(AcceptedAttempt { time_step, ended, retries });
             };
             retries.push(Retry { time_step: at, why });
             time_step = next;
@@ -97,8 +94,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         })
     }
 
-    /// The largest displacement of a vertex, squared (m²).
-    fn farthest(&self, d: &[BlockVector<R>]) -> R {
+    /// The largest displacement of a vertex, squared (m²), before blocks are moved by it.
+    pub(super) fn farthest(&self, d: &[BlockVector<R>]) -> R {
         self.displacements(d).fold(R::ZERO, |farthest, (_, squared)| farthest.larger(squared))
     }
 

@@ -3,7 +3,6 @@
 use crate::dynamics::attempt::OpenCloseIteration;
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::control::AcceptedAttempt;
-use crate::dynamics::displacement::displacement;
 use crate::dynamics::report::StepError;
 use crate::dynamics::solve::Solve;
 use crate::dynamics::state::Mode;
@@ -71,16 +70,10 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             .run::<M>(contacts, &mut self.layouts, &mut self.spare, &mut self.iteration_times)
             .map_err(|unsolved| StepError::Singular { step: number, block: unsolved.block })?;
         self.modes.push(std::mem::take(&mut ended.modes));
-        let mut farthest = R::ZERO;
-        for (block, d) in ended.d.iter().enumerate().filter(|&(block, _)| !self.is_fixed(block)) {
-            if !d.iter().all(|x| x.is_finite()) {
-                return Err(StepError::NotFinite { step: number, block });
-            }
-            for &vertex in &self.state.blocks[block].vertices {
-                let moved = displacement(vertex - self.moments[block].centroid, d);
-                farthest = farthest.larger(moved.dot(moved));
-            }
+        let unknown = |&block: &usize| !self.is_fixed(block) && !ended.d[block].iter().all(|x| x.is_finite());
+        if let Some(block) = (0..ended.d.len()).find(unknown) {
+            return Err(StepError::NotFinite { step: number, block });
         }
-        Ok(AcceptedAttempt { time_step, ended, retries: Vec::new(), farthest })
+        Ok(AcceptedAttempt { time_step, ended, retries: Vec::new() })
     }
 }

@@ -100,7 +100,8 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
         number: i64,
         settling: bool,
     ) -> Result<StepReport, StepError> {
-        let AcceptedAttempt { time_step, ended, retries, farthest } = accepted;
+        let AcceptedAttempt { time_step, ended, retries } = accepted;
+        let farthest = self.farthest(&ended.d);
         let blocks = || (0..self.prepared.len()).into_par_iter().with_min_len(BLOCKS_AT_ONCE);
         let kinematics = self.setup.control.kinematics;
         let motions: Vec<AffineMotion<R>> = blocks()
