@@ -217,6 +217,10 @@ impl Wide {
         if !self.is_known() {
             return f64::NAN;
         }
+        // Whose exponent says no more than how wide it is.
+        if self.is_zero() {
+            return 0.0;
+        }
         // 64 bits to f64, then a power of two in two steps, so that neither of them overflows on its own.
         let exponent = (self.exponent - i64::from(DIGIT)).clamp(-4000, 4000) as i32;
         let half = exponent / 2;
@@ -318,7 +322,7 @@ impl Wide {
     /// The digits after a point times 2^exponent, of which the radius is so many, cut to those that are kept.
     fn rounded(negative: bool, digits: &[u64], exponent: i64, radius: f64) -> Wide {
         let Some(highest) = digits.iter().rposition(|&digit| digit != 0) else {
-            return Wide::around_zero(radius, exponent);
+            return Wide::around_zero(radius::rounded_up(radius), exponent);
         };
         let shift = digits[highest].leading_zeros();
         let down = (digits.len() - 1 - highest) as i64 * i64::from(DIGIT) + i64::from(shift);
@@ -400,7 +404,7 @@ impl Wide {
     #[inline(always)]
     fn of_short(negative: bool, upper: u128, lower: u128, exponent: i64, radius: f64) -> Wide {
         if upper | lower == 0 {
-            return Wide::around_zero(radius, exponent);
+            return Wide::around_zero(radius::rounded_up(radius), exponent);
         }
         let (upper, lower, down) = if upper == 0 { (lower, 0, 128) } else { (upper, lower, 0) };
         let shift = upper.leading_zeros();

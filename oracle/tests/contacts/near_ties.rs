@@ -104,12 +104,12 @@ fn beside_every_tie_the_paths_agree_at_full_size() {
 fn agree_beside_ties(rounds: u64) {
     let mut dice = Random(11);
     let (mut levels, mut pairs, mut touching, mut neighbours) = (LevelCounts::default(), 0u64, 0u64, [0, 0]);
-    for case in hand_worked::cases() {
+    for (number, case) in (0..).zip(hand_worked::cases()) {
         for round in 0..rounds {
             let Some(Drawn { a, b, tolerances, about }) = draw(&case, round, &mut dice) else { continue };
             let (prepared_a, prepared_b) = (PreparedBlock::new(&a), PreparedBlock::new(&b));
             let pair = Pair::new(&prepared_a, &prepared_b);
-            let kept = if round % 2 == 0 { case.kept.as_slice() } else { &[] };
+            let kept = if (number + round) % 2 == 0 { case.kept.as_slice() } else { &[] };
             let answer = pair.classify_with_kept(&tolerances, kept);
             let plainly: Vec<_> = plain::classify_with_kept::<BigRational>(&a, &b, &tolerances, kept)
                 .into_iter()

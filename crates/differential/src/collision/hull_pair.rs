@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn bounds_hold_every_width_and_the_widest_slab_is_that_of_all_directions() {
         let mut dice = Dice(3);
-        let (mut pairs, mut all, mut left) = (0, 0, 0);
+        let (mut lists, mut all, mut left) = (0, 0, 0);
         for round in 0..120 {
             let sort = round % 3;
             // Apart, near and inside one another; far from the origin; far from one another.
@@ -252,7 +252,7 @@ mod tests {
                     assert!(compared(high, &slab, bits).is_ge(), "{direction:?} of round {round}");
                     slabs.push(slab);
                 }
-                pairs += 1;
+                lists += 1;
                 all += directions.len();
                 left += directions.iter().filter(|&&direction| pair.bounds(direction)[1] >= certain).count();
                 let widest = slabs.into_iter().reduce(Slab::wider).map(|slab| (slab.width, slab.length2));
@@ -260,7 +260,7 @@ mod tests {
                 assert_eq!(found, widest, "round {round}");
             }
         }
-        assert!(pairs > 100, "{pairs} pairs");
+        assert!(lists > 100, "{lists} lists of directions");
         // It leaves few: else it is of no use.
         assert!(left * 4 < all, "{left} of {all} directions left");
     }

@@ -74,9 +74,10 @@ impl Patience {
     pub(super) const WITHOUT_FACTOR: Patience =
         Patience { most: 5_000, telling: None, farthest: f64::INFINITY, or_from_zero: false };
 
-    /// As [`Patience::OLD_FACTOR`] where springs have changed at so many contacts: few of them take few products, from however far off.
+    /// As [`Patience::OLD_FACTOR`] where springs have changed at so many contacts since the solve before: few of them take few products, from as far off
+    /// as the right side itself. From farther off the roundoffs of that size would stay in the solution, unseen by a residual that is carried on.
     pub(super) fn old_factor(news: usize) -> Patience {
-        let farthest = if news <= FEW_CONTACTS { f64::INFINITY } else { Patience::OLD_FACTOR.farthest };
+        let farthest = if news <= FEW_CONTACTS { 1.0 / RESIDUAL_SHARE } else { Patience::OLD_FACTOR.farthest };
         Patience { farthest, ..Patience::OLD_FACTOR }
     }
 
@@ -105,8 +106,8 @@ pub(super) struct ConjugateGradients<'r, 'p, 's, R> {
 }
 
 impl<R: Solve> ConjugateGradients<'_, '_, '_, R> {
-    /// The solution, if the iteration ends. It begins with a solution `before` if there is one, of an earlier matrix, and ends by the same measure, so it
-    /// is as exact.
+    /// The solution, if the iteration ends. It begins with a solution `before` if there is one, of an earlier matrix, and ends by the same measure: as exact
+    /// where `before` is no farther off than zero.
     pub(super) fn solve(&self, force: &[R], before: Option<&[R]>, patience: Patience) -> Option<Vec<R>> {
         let whole = self.preconditioner.measure(force)?;
         if !whole.square.is_finite() || whole.square.below(R::ZERO) {

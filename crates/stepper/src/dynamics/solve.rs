@@ -12,8 +12,8 @@ use crate::wide::Wide;
 pub const DENSE: usize = 96;
 
 /// Systems of which the factor takes so many multiplications or more for each of its values, about, are very large: see
-/// [`Solve::USES_CONJUGATE_GRADIENTS`]. A factor in f32 takes about half of the multiplications' time away, and brings three substitutions more, which take time by
-/// the values.
+/// [`Solve::USES_CONJUGATE_GRADIENTS`]. A factor in f32 takes about half of the multiplications' time away, and brings two and a half substitutions more, which take time
+/// by the values.
 pub const CONJUGATE_GRADIENTS_FROM: u64 = 500;
 
 /// A pivot that is not positive and finite: the system is singular, or became so by rounding.

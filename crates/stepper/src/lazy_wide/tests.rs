@@ -50,7 +50,7 @@ fn one_operation_is_within_its_radius_and_not_far_within_at_full_size() {
     operations_of_every(1);
 }
 
-/// Every number with every nth of them.
+/// Every number with every nth of them, and with its opposite, which stands beside it.
 fn operations_of_every(nth: usize) {
     let (mut sums, mut products, mut quotients, mut roots) = Default::default();
     let radii = |x: f64| [0.0, x.abs() * 0.25, x.abs() * f64::EPSILON, 1e-300];
@@ -58,7 +58,7 @@ fn operations_of_every(nth: usize) {
     let ends = |b: Ball| [rational(b.middle) - rational(b.radius), rational(b.middle) + rational(b.radius)];
     let all: Vec<f64> = adversarial();
     for (i, &x) in all.iter().enumerate() {
-        for (j, &y) in all.iter().enumerate().skip(i % nth).step_by(nth) {
+        for (j, &y) in all.iter().enumerate().filter(|&(j, _)| j % nth == i % nth || j == i ^ 1) {
             let (one, two) = (ball(x, radii(x)[i % 4]), ball(y, radii(y)[(i / 4 + j) % 4]));
             for p in ends(one) {
                 for q in ends(two) {
