@@ -121,6 +121,10 @@ impl ModelArgs {
             }
             CheckError::Tolerance { .. } => anyhow::Error::new(error).context(place()),
         })?;
+        if file.holds_f32() {
+            model.coarse = model.extents.coarse_f32();
+            model.notes.extend(model.coarse.clone());
+        }
         if file.options().scale.is_none() {
             model.merging = planarity_that_merges(&file, &model.scene);
             model.notes.extend(model.merging.clone());

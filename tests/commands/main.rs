@@ -43,6 +43,7 @@ mod large_files;
 mod latex;
 mod lockstep_cli;
 mod merge_command;
+mod model_doubts;
 mod model_warnings;
 mod numbers_in_settings;
 mod output_files;

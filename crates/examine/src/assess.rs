@@ -87,7 +87,7 @@ impl Assessment {
 
     /// Whether nothing is wrong with the model under this set, something was tried, and what is wrong could have been seen.
     pub fn is_safe(&self, precision: Precision) -> bool {
-        self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.may_see_all()
+        self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.may_see_all() && !self.steps.end_deep()
     }
 
     /// Whether nothing in the tolerances keeps what is wrong from being seen in a few steps, or at all.
@@ -258,8 +258,7 @@ fn any_moves(pairs: &[ExaminedPair], fixed: &[bool]) -> bool {
 /// The pairs whose springs store more when time begins than weights and loads explain: as the blocks stand, or after settling. Nothing is known of it where
 /// blocks settle and no step is made.
 fn unexplained(model: &CheckedModel, set: &ToleranceSet, overlaps: &Overlaps, steps: &Steps) -> Vec<StoredEnergy> {
-    let mut scene = model.scene.clone();
-    scene.derive_stiffness(set);
+    let scene = stored_energy::as_stepped(&model.scene, set);
     let springs = match (scene.simulation.control.settle, steps.made()) {
         (0, _) => at_start(&scene, set, overlaps),
         (_, made) => made.map(|made| made.settled.clone()).unwrap_or_default(),

@@ -35,6 +35,8 @@ pub struct CheckedModel {
     pub notes: Vec<String>,
     /// What a planarity would merge of a mesh whose coordinates were rounded, where whoever read it knows.
     pub merging: Option<String>,
+    /// Why the file's f32 do not tell how its blocks lie, where whoever read it knows that it has f32 ([`Extents::coarse_f32`]).
+    pub coarse: Option<String>,
 }
 
 /// The largest coordinate (m): the square of the weight of a block so large is still an f64.
@@ -118,6 +120,7 @@ impl CheckedModel {
             warnings,
             notes,
             merging: None,
+            coarse: None,
         })
     }
 

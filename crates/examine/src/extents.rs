@@ -3,18 +3,23 @@
 use num_traits::ToPrimitive;
 use rockproof_model::{Number, Scene};
 
-/// The block in the middle, when they are ordered by size, is between these sizes in metres (the cube root of its volume) unless the units are others.
+/// Blocks are between these sizes in metres (the cube root of the volume) unless the units are others: more than half of them, and at least three, or all.
 const SIZES: [f64; 2] = [1e-3, 100.0];
+
+/// The share of the shortest edge that neighbouring coordinates may be apart.
+const COARSE: f64 = 1e-3;
 
 /// The box of a scene and its shortest edge, in metres.
 #[derive(Clone, Debug)]
 pub struct Extents {
     sides: [f64; 3],
     from: [f64; 3],
+    /// The largest coordinate, by its size (m).
+    furthest: f64,
     shortest: f64,
     block: usize,
-    /// The cube root of the volume of the block in the middle when they are ordered by size, of two the smaller one: a base may be as long as the model.
-    size: f64,
+    /// The cube root of the volume that more than half of the blocks, and at least three or all, have at least, and that so many have at most (m).
+    sizes: [f64; 2],
 }
 
 impl Extents {
@@ -43,8 +48,12 @@ impl Extents {
             volumes.push(shape.volume().to_f64().unwrap_or(f64::NAN));
         }
         volumes.sort_by(f64::total_cmp);
-        let size = volumes.get(volumes.len().saturating_sub(1) / 2).map_or(f64::NAN, |volume| volume.cbrt());
-        Extents { sides: [0, 1, 2].map(|axis| high[axis] - low[axis]), from: low, shortest, block, size }
+        // A base as long as the model, or a sliver, says nothing of the unit.
+        let many = (volumes.len() / 2 + 1).max(3).min(volumes.len());
+        let at = |place: Option<usize>| place.and_then(|at| volumes.get(at)).map_or(f64::NAN, |volume| volume.cbrt());
+        let sizes = [volumes.len().checked_sub(many), many.checked_sub(1)].map(at);
+        let furthest = low.into_iter().chain(high).map(f64::abs).fold(0.0, f64::max);
+        Extents { sides: [0, 1, 2].map(|axis| high[axis] - low[axis]), from: low, furthest, shortest, block, sizes }
     }
 
     /// Two lines of the table of blocks.
@@ -73,21 +82,36 @@ impl Extents {
         (self.shortest, self.block)
     }
 
+    /// What is wrong with coordinates of a file that has f32: two neighbouring ones are so far apart, where blocks are furthest from the origin, that they are more than a
+    /// thousandth of the shortest edge.
+    pub fn coarse_f32(&self) -> Option<String> {
+        // Of a number from 2ⁿ up to 2ⁿ⁺¹ it is 2ⁿ⁻²³.
+        let spacing = self.furthest.log2().floor().exp2() * f64::from(f32::EPSILON);
+        (spacing > COARSE * self.shortest).then(|| {
+            let [spacing, furthest, shortest] = [spacing, self.furthest, self.shortest].map(short);
+            format!(
+                "the file has coordinates in f32, which at {furthest} m are {spacing} m apart, and the shortest edge is {shortest} m: export it relative to a local origin, or in double precision"
+            )
+        })
+    }
+
     /// Why the units may be others than metres, if they look so.
     pub fn unit_warning(&self) -> Option<String> {
-        let (what, factor) = (if self.size > SIZES[1] { "millimetres" } else { "kilometres" }, self.factor()?);
+        let factor = self.factor()?;
+        let [least, most] = self.sizes;
+        let (what, size, than) =
+            if least > SIZES[1] { ("millimetres", least, "larger") } else { ("kilometres", most, "smaller") };
         Some(format!(
-            "half of the blocks are {} m or {}: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert --scale {factor} --precision f64` writes it so",
-            short(self.size),
-            if self.size > SIZES[1] { "larger" } else { "smaller" }
+            "half of the blocks are {} m or {than}: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert --scale {factor} --precision f64` writes it so",
+            short(size)
         ))
     }
 
     /// What lengths should be multiplied by, if the units look as if they were others than metres.
     pub fn factor(&self) -> Option<&'static str> {
-        match self.size {
-            size if size > SIZES[1] => Some("1/1000"),
-            size if size < SIZES[0] => Some("1000"),
+        match self.sizes {
+            [least, _] if least > SIZES[1] => Some("1/1000"),
+            [_, most] if most < SIZES[0] => Some("1000"),
             _ => None,
         }
     }

@@ -12,6 +12,7 @@ mod error;
 mod extents;
 mod intrusion_recorder;
 mod naming;
+mod next_command;
 mod overlaps;
 mod pairs;
 mod pressed_springs;

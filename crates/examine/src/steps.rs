@@ -59,6 +59,11 @@ impl Steps {
     pub fn find_fault(&self) -> bool {
         self.made().is_some_and(|made| made.stopped.is_some() || made.totals.finds_fault())
     }
+
+    /// Whether blocks overlap deeper than `penetration` after some step: held only by contacts that were closed before, and lost once one opens.
+    pub fn end_deep(&self) -> bool {
+        self.made().is_some_and(|made| made.totals.steps_deep > 0)
+    }
 }
 
 /// Makes `steps` steps of a scene after its settling, in a precision; `None` where it was stopped meanwhile. A scene of several blocks that fixes

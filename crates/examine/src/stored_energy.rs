@@ -5,6 +5,7 @@ use crate::overlaps::{Overlaps, pair_in_words};
 use crate::pressed_springs::{PressedSpring, at_start, cross, dot, length, minus, plus, released, vertex_of};
 use rockproof_model::tolerance_rules::weights_borne;
 use rockproof_model::{Number, Scene, SceneBlock, ToleranceSet, Vec3};
+use rockproof_tune::hold_lowest;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -31,7 +32,7 @@ impl StoredEnergy {
         let (block, speed) = self.thrown;
         let pair = pair_in_words(self.blocks, scene);
         format!(
-            "springs of blocks {pair} store {energy} J, their weights and loads explain {explained} J: released, that would throw block {block} at {} m/s",
+            "springs of blocks {pair} store {energy} J, their weights and loads explain {explained} J: released, that would throw block {block} at up to {} m/s, the more the shorter the steps are",
             short(speed)
         )
     }
@@ -56,9 +57,18 @@ pub fn unexplained_energy(scene: &Scene, set: &ToleranceSet, overlaps: &Overlaps
     if scene.simulation.control.settle > 0 {
         return Vec::new();
     }
-    let mut scene = scene.clone();
-    scene.derive_stiffness(set);
+    let scene = as_stepped(scene, set);
     unexplained(&scene, set, &at_start(&scene, set, overlaps))
+}
+
+/// The scene as steps of it are made: one of several blocks that fixes nothing with its lowest held, which are fixed then, and with stiffnesses.
+pub(crate) fn as_stepped(scene: &Scene, set: &ToleranceSet) -> Scene {
+    let mut scene = scene.clone();
+    if scene.blocks.len() > 1 && scene.blocks.iter().all(|block| !block.body.is_fixed()) {
+        hold_lowest(&mut scene);
+    }
+    scene.derive_stiffness(set);
+    scene
 }
 
 /// The share of the smallest side of the smaller block by which it may rise from its springs.
@@ -70,8 +80,7 @@ const RISE: f64 = 0.01;
 /// A contact of stiffness p that a force F presses is d = F/p deep and stores p·d²/2 = F·d/2; one on which the force is laid suddenly gets twice as deep
 /// and stores 2F²/p. Released, n such contacts lift a block that weighs F by E/F − d above where it leaves them. So explained are 2F²/p, what one contact
 /// alone stores that bears all of it, and F·s, s a hundredth of the smallest side of the blocks: they rise by no more than s. A contact is not meant to be
-/// deeper than `penetration` g, so no more than F·g is explained. For F stands, of the two blocks, the greatest of what one bears (the estimate of the
-/// warning `load`) with its loads as far as they press the pair together when time begins, and of what its initial stress presses on the largest side of its box.
+/// deeper than `penetration` g, so no more than F·g is explained. For F see [`pressing_force`].
 /// A block that the scene has moving may have pressed its springs together by as much as its motion still has; after settling it has none.
 /// **As much as is explained is explained.**
 ///
@@ -100,7 +109,7 @@ pub(crate) fn unexplained(scene: &Scene, set: &ToleranceSet, springs: &[PressedS
     let one = |(&blocks, springs): (&[usize; 2], &Vec<&PressedSpring>)| {
         let here = || blocks.into_iter().filter_map(|block| moving.get(&block));
         let energy_j = springs.iter().map(|spring| spring.energy_j()).sum();
-        let force = here().map(|one| one.pressing(springs)).fold(0.0, f64::max);
+        let force = pressing_force(&here().collect::<Vec<_>>(), springs);
         let rise = RISE * here().map(|one| one.smallest_side).fold(f64::INFINITY, f64::min);
         let motion: f64 = here().map(|one| one.motion_j).sum();
         let explained_j = force * penetration.min(2.0 * force / springs.first()?.stiffness + rise) + motion;
@@ -115,6 +124,22 @@ pub(crate) fn unexplained(scene: &Scene, set: &ToleranceSet, springs: &[PressedS
     // A stable sort: of equal ones the first pair first.
     found.sort_by(|one, two| (two.energy_j / two.explained_j).total_cmp(&(one.energy_j / one.explained_j)));
     found
+}
+
+/// The greatest force that may press the moving blocks of a pair with these springs together (N): of what each of them bears (the estimate of the warning
+/// `load`) with its loads as far as they press the pair together when time begins, and of what the initial stress of either presses on the largest side of its box.
+///
+/// A block that stands on the other is pressed onto it by no more than it bears itself, however heavy the other: springs that push it along u, with c the part of u
+/// against gravity, carry F·c ≤ what it bears. So weights press with no more than (what the upper block bears with its loads)/c; loads of the lower one come on top.
+fn pressing_force(pair: &[&Moving<'_>], springs: &[&PressedSpring]) -> f64 {
+    let loaded = |one: &Moving<'_>| one.loaded_against(one.pushed_along(springs));
+    let either = pair.iter().map(|one| one.borne + loaded(one)).fold(0.0, f64::max);
+    let upper = pair.iter().map(|one| (one, one.lifted(springs))).find(|(_, lifted)| *lifted > 0.0);
+    let weights = upper.map_or(either, |(upper, lifted)| {
+        let below: f64 = pair.iter().filter(|one| one.block != upper.block).map(|one| loaded(one)).sum();
+        either.min((upper.borne + loaded(upper)) / lifted + below)
+    });
+    pair.iter().map(|one| pressed(one.scene, one.block)).fold(weights, f64::max)
 }
 
 /// A block that its springs may move.
@@ -154,11 +179,23 @@ impl<'s> Moving<'s> {
         Moving { block, scene, mass, smallest_side, borne, load, released_j, motion_j, unbalanced }
     }
 
-    /// The force that presses it against the other block of a pair with these springs (N).
-    fn pressing(&self, springs: &[&PressedSpring]) -> f64 {
+    /// The direction in which these springs of a pair push it; 0 where they push nowhere.
+    fn pushed_along(&self, springs: &[&PressedSpring]) -> [f64; 3] {
         let push = springs.iter().map(|spring| spring.push(self.block)).fold([0.0; 3], plus);
-        let against = if length(push) > 0.0 { -dot(self.load, push) / length(push) } else { 0.0 };
-        (self.borne + against.max(0.0)).max(pressed(self.scene, self.block))
+        let size = length(push);
+        push.map(|part| if size > 0.0 { part / size } else { 0.0 })
+    }
+
+    /// What its loads press it with against the other block of a pair that pushes it along this direction (N).
+    fn loaded_against(&self, along: [f64; 3]) -> f64 {
+        (-dot(self.load, along)).max(0.0)
+    }
+
+    /// The part against gravity of the direction in which these springs push it; 0 without gravity.
+    fn lifted(&self, springs: &[&PressedSpring]) -> f64 {
+        let gravity = near(&self.scene.simulation.gravity);
+        let pull = length(gravity);
+        if pull > 0.0 { -dot(self.pushed_along(springs), gravity) / pull } else { 0.0 }
     }
 
     /// Whether what is unbalanced after settling is no more than this force (N).

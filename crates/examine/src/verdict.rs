@@ -3,21 +3,20 @@
 use crate::assess::{Assessment, Examination, plural};
 use crate::cases::KeptCase;
 use crate::extents::short;
-use crate::naming::{Naming, file_name, quoted_path};
+use crate::naming::{Naming, file_name};
+use crate::next_command::{is_too_far_for_f32, next_command};
 use crate::pairs::ExaminedPair;
 use crate::recommend::Recommendation;
 use crate::steps::Steps;
 use crate::warning_lines::warning_lines;
-use rockproof_differential::external::spec::quoted;
 use rockproof_model::text::noun;
 use rockproof_model::tolerance_rules::{MeasuredModel, stiffness_slack};
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_report::table::grouped;
 use rockproof_report::verdict::Severity;
-use std::path::Path;
 
 /// The file of the set to use.
-const SET: &str = "tolerances.toml";
+pub(crate) const SET: &str = "tolerances.toml";
 /// The answer where nothing is wrong, but too little was there to be wrong.
 pub(crate) const NOT_DECIDED: &str = "not decided";
 
@@ -56,14 +55,19 @@ impl Verdict {
     pub fn of(found: &Examination, cases: &[KeptCase], naming: &Naming) -> Verdict {
         let precision = found.model.precision;
         let doubt = found.model.extents.unit_warning().filter(|_| !naming.units_are_meant);
-        let is_safe = doubt.is_none() && found.given.is_safe(precision);
-        let with_other = doubt.is_none() && found.recommended().is_some_and(|other| other.is_safe(precision));
-        let reasons = reasons(&found.given, &found.model.scene, precision, doubt.is_some());
+        let may_be_safe = doubt.is_none() && found.model.coarse.is_none();
+        let is_safe = may_be_safe && found.given.is_safe(precision);
+        let with_other = may_be_safe && found.recommended().is_some_and(|other| other.is_safe(precision));
+        let reasons = reasons(found, doubt.is_some());
         let (answer, sentence) = match (is_safe, with_other) {
             (true, _) => {
                 let pairs = plural(found.given.pairs.len(), "neighbouring pair", "neighbouring pairs");
                 let untried = untried(&found.given);
-                ("safe", format!("safe: nothing is wrong with {pairs} under {} in {precision}{untried}", found.name))
+                let apart = apart(found);
+                (
+                    "safe",
+                    format!("safe: nothing is wrong with {pairs} under {} in {precision}{apart}{untried}", found.name),
+                )
             }
             (false, true) => (
                 "safe with another set",
@@ -89,7 +93,7 @@ impl Verdict {
         ];
         lines.extend(warning_lines(found));
         lines.push(recommended(found, precision, naming));
-        let next = naming.dir.as_ref().map(|dir| next(found, cases, (naming, dir), (doubt.is_some(), answer)));
+        let next = naming.dir.as_ref().map(|dir| next_command(found, cases, (naming, dir), (doubt.is_some(), answer)));
         Verdict { is_safe, answer, sentence, lines, next }
     }
 
@@ -120,6 +124,15 @@ fn untried(given: &Assessment) -> &'static str {
     if given.steps.made().is_none() { ", but no step was made" } else { "" }
 }
 
+/// How many blocks are in no pair, of which nothing was tried either.
+fn apart(found: &Examination) -> String {
+    let all = found.model.scene.blocks.len();
+    match found.given.overlaps.lonely(all).len() {
+        0 => String::new(),
+        lonely => format!(", but {lonely} of {all} blocks {} nothing", noun(lonely, "touches", "touch")),
+    }
+}
+
 /// Why there was no contact to be wrong.
 fn untouched(given: &Assessment, scene: &Scene) -> String {
     match scene.blocks.len() {
@@ -147,17 +160,23 @@ fn other_than(precision: Precision) -> Precision {
 }
 
 /// What is wrong, or else what was not there to be, in a few words.
-fn reasons(given: &Assessment, scene: &Scene, precision: Precision, units: bool) -> String {
+fn reasons(found: &Examination, units: bool) -> String {
+    let (given, scene, precision) = (&found.given, &found.model.scene, found.model.precision);
     let mut said: Vec<String> = Vec::new();
     if units {
         said.push("the units are in doubt".to_owned());
+    }
+    if found.model.coarse.is_some() {
+        said.push("coordinates of the file were rounded to f32".to_owned());
     }
     if given.overlaps.lost() > 0 {
         let pairs = plural(given.overlaps.lost(), "pair of blocks overlaps", "pairs of blocks overlap");
         said.push(format!("{pairs} so that contacts cannot hold them"));
     }
     if !given.violations.is_empty() {
-        said.push(format!("{} violated", plural(given.violations.len(), "rule", "rules")));
+        let far = ", and no tolerances keep all in f32 at such coordinates: only a local origin helps, or f64";
+        let far = if is_too_far_for_f32(found) { far } else { "" };
+        said.push(format!("{} violated{far}", plural(given.violations.len(), "rule", "rules")));
     }
     let [_, broken] = given.differing(precision);
     if broken > 0 {
@@ -177,6 +196,9 @@ fn reasons(given: &Assessment, scene: &Scene, precision: Precision, units: bool)
             thin.block
         ));
     }
+    if given.steps.end_deep() && !given.steps.find_fault() {
+        said.push("blocks overlap deeper than penetration after steps, held only by contacts closed before".to_owned());
+    }
     said.extend(given.warnings.iter().map(|warning| warning.kind.title().to_owned()));
     said.extend(given.stored.first().map(|worst| worst.sentence(scene)));
     if said.is_empty() && !given.tries_contacts() {
@@ -192,7 +214,8 @@ fn model(found: &Examination, doubt: Option<&str>) -> Line {
     let blocks = plural(found.model.scene.blocks.len(), "block", "blocks");
     let text = format!("{blocks} in {x} × {y} × {z} m, shortest edge {} m", short(shortest));
     let lonely = found.given.overlaps.lonely_sentence(&found.model.scene);
-    let remarks: Vec<&str> = found.model.merging.iter().chain(&lonely).map(String::as_str).collect();
+    let remarks: Vec<&str> =
+        found.model.coarse.iter().chain(&found.model.merging).chain(&lonely).map(String::as_str).collect();
     match doubt {
         None if remarks.is_empty() => line("model", Severity::Good, text),
         None => line("model", Severity::Fair, format!("{text}: {}", remarks.join("; "))),
@@ -279,7 +302,8 @@ fn steps(given: &Assessment) -> Line {
         Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),
         Steps::Made(made) => made,
     };
-    let severity = match (given.steps.find_fault(), given.tries_contacts() && made.unconverged == 0) {
+    let is_good = given.tries_contacts() && made.unconverged == 0 && !given.steps.end_deep();
+    let severity = match (given.steps.find_fault(), is_good) {
         (true, _) => Severity::Bad,
         (false, true) => Severity::Good,
         (false, false) => Severity::Fair,
@@ -320,53 +344,6 @@ pub(crate) fn best_of(candidates: usize, refused: usize) -> String {
         _ => format!(
             "the {sets}, but for {refused} that the search prefers and with which the whole model does no better"
         ),
-    }
-}
-
-/// The command to go on with.
-fn next(
-    found: &Examination,
-    cases: &[KeptCase],
-    (naming, dir): (&Naming, &Path),
-    (units, answer): (bool, &str),
-) -> String {
-    let (file, given) = (naming.shown(), &naming.tolerances);
-    // Steps of a file that fixes nothing are made with its lowest blocks held; without that all of it falls.
-    let blocks = &found.model.scene.blocks;
-    let is_held = blocks.len() > 1 && blocks.iter().all(|block| !block.body.is_fixed());
-    let hold = if is_held { " --hold-lowest" } else { "" };
-    if units {
-        if naming.read.contains("--scale") {
-            return naming.show_all();
-        }
-        let factor = found.model.extents.factor().unwrap_or("1");
-        let out = if naming.is_usual_dir { String::new() } else { format!(" --out {}", quoted_path(dir)) };
-        return format!("rockproof examine {file}{given} --scale {factor}{out} --overwrite");
-    }
-    let shown = |path: &str| quoted_path(&dir.join(path));
-    let lost = found.given.overlaps.worst_lost().filter(|_| answer == "not safe");
-    if let Some(worst) = lost {
-        return naming.show(worst.blocks);
-    }
-    if answer == NOT_DECIDED && !found.given.may_see_all() {
-        return format!("rockproof check {file}{given}");
-    }
-    if answer == "safe" || answer == NOT_DECIDED {
-        return format!("rockproof simulate {file}{given}{hold} --steps 100 --audit");
-    }
-    if answer == "safe with another set" {
-        let (set, out) = (shown(SET), quoted(&format!("{}-set", dir.display())));
-        return format!("rockproof examine {file} --tolerances {set} --out {out}");
-    }
-    if let Some(case) = cases.iter().find(|case| case.is_broken) {
-        return format!("rockproof replay {}", shown(&case.file));
-    }
-    match found.given.steps.made() {
-        Some(made) if found.given.steps.find_fault() => {
-            let steps = made.asked;
-            format!("rockproof simulate {file}{given}{hold} --steps {steps} --audit --contacts")
-        }
-        _ => format!("rockproof tune {file}{given}"),
     }
 }
 

@@ -8,6 +8,7 @@ mod largest;
 mod load;
 mod remedy;
 mod stiffness;
+mod strain;
 mod thin;
 mod warning;
 
@@ -287,14 +288,16 @@ impl Extremes {
         );
         let eps = Number::from_f64(256.0 * precision.epsilon()).unwrap_or(Number::ZERO).to_rational();
         let resolved = &eps * &self.largest_coordinate;
+        let remedies = [
+            ("territory", RequiredValue::OrMore(resolved.clone())),
+            ("all coordinates", RequiredValue::OrLess(&territory / &eps)),
+        ];
         violations.require(
             Rule::TerritoryResolved,
             (&territory, Relation::NotBelow, &resolved),
             Some(self.furthest),
-            &[
-                ("territory", RequiredValue::OrMore(resolved.clone())),
-                ("all coordinates", RequiredValue::OrLess(&territory / &eps)),
-            ],
+            // A territory that the shortest edge does not allow would break another rule.
+            &remedies[usize::from(&resolved * &resolved > quarter)..],
         );
         violations.require(
             Rule::Displacement,

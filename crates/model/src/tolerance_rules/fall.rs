@@ -15,7 +15,7 @@ use num_traits::{Signed, Zero};
 /// A fall from the height of the model that does not end within `penetration`. All numbers are within some ulps of the exact ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fall {
-    /// The block that sinks deepest, of several the first.
+    /// The block that sinks deepest, of those that are as heavy for their stiffness (to 1e-9) the one that lies highest, of several the first.
     pub block: usize,
     /// Its weight (N).
     pub weight: f64,
@@ -66,16 +66,16 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     });
     let near: Vec<f64> = near.collect();
     let masses = may_be_largest(&near).filter_map(|place| {
-        let MovingBlock { number, block, body, .. } = moving[place];
+        let MovingBlock { block, body, .. } = moving[place];
         let stiffness = softest(&simulation, &joints, body)?;
         let mass = simulation.materials[body.material].density.to_rational() * block.volume();
-        Some((number, mass, stiffness))
+        Some((place, mass, stiffness))
     });
     // H and g are the same for all: the block with most mass for its stiffness sinks deepest.
     let heavier = |one: &(usize, BigRational, BigRational), other: &(usize, BigRational, BigRational)| {
         &other.1 * &one.2 > &one.1 * &other.2
     };
-    let (block, mass, stiffness) = masses.reduce(|one, other| if heavier(&one, &other) { other } else { one })?;
+    let (worst, mass, stiffness) = masses.reduce(|one, other| if heavier(&one, &other) { other } else { one })?;
     let allowed = set.penetration.to_rational();
     let two = BigRational::from_integer(BigInt::from(2));
     // p·g² − 2·m·drop against 2·m·g·|gravity|, by squares.
@@ -84,6 +84,13 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     if !left.is_negative() && left.pow(2) >= right_squared {
         return None;
     }
+    // The lowest point of a block, along gravity.
+    let lowest = |place: usize| {
+        moving[place].block.vertices().iter().map(|v| terms(&v).iter().sum()).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let alike = (0..moving.len()).filter(|&place| near[place] >= near[worst] * (1.0 - 1e-9));
+    let highest = alike.min_by(|&one, &other| lowest(one).total_cmp(&lowest(other))).unwrap_or(worst);
+    let block = moving[highest].number;
     let near = |value: &BigRational| Number::from_rational(value.clone()).approximate();
     let pull = near(&gravity_squared).sqrt();
     let (weight, height, allowed) = (near(&mass) * pull, near(&drop) / pull, near(&allowed));
@@ -94,7 +101,7 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     let deeper = ToleranceSet { penetration: Number::from_f64(depth).unwrap_or(Number::ZERO), ..set.clone() };
     let mut derived = scene.simulation.clone();
     derive_stiffness_of(&mut derived, &moving, &deeper);
-    let is_mended = softest(&derived, &joints, &scene.blocks[block].body).is_some_and(|derived| derived >= given);
+    let is_mended = softest(&derived, &joints, moving[worst].body).is_some_and(|derived| derived >= given);
     let remedies = [
         needed.is_finite().then(|| format!("normal_stiffness ≥ {}", six_digits(needed, true, false))),
         (is_mended && depth.is_finite()).then(|| format!("penetration ≥ {}", six_digits(depth, true, false))),

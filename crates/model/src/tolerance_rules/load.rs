@@ -1,4 +1,4 @@
-//! Whether a block sinks deeper than `penetration` under the blocks above it: an estimate. The rule of SPEC section 3 counts a block's own weight.
+//! Whether a block sinks deeper than `penetration` under the blocks above it and under loads: an estimate. The rule of SPEC section 3 counts a block's own weight.
 
 use super::six_digits;
 use super::stiffness::{blocks_by_joint, nearby_softest};
@@ -11,7 +11,7 @@ use crate::tolerance::ToleranceSet;
 use std::collections::BTreeMap;
 
 /// A block as others rest on it: its box along two directions across gravity and against gravity, its weight and what it rests on.
-struct Column {
+pub(super) struct Column {
     low: [f64; 3],
     high: [f64; 3],
     /// In N; `None` of a fixed block, which bears what is above it.
@@ -28,30 +28,29 @@ impl Column {
     }
 
     /// The area in which the plans of two boxes overlap (m²).
-    fn shared(&self, other: &Column) -> f64 {
+    pub(super) fn shared(&self, other: &Column) -> f64 {
         let side = |axis: usize| (self.high[axis].min(other.high[axis]) - self.low[axis].max(other.low[axis])).max(0.0);
         side(0) * side(1)
     }
 }
 
-/// The block that would sink deepest under its own weight and that of the blocks above it, if that is deeper than `penetration`; `None` as well
-/// without gravity, and where `penetration` is 0, which the rules refuse.
+/// The block that would sink deepest under its own weight, its loads and what those above it press down with, if that is deeper than `penetration`;
+/// `None` where `penetration` is 0, which the rules refuse. `columns` are those of [`loaded_columns`].
 ///
 /// Of each block above, that share counts which its plan (the box of its vertices across gravity) has over this block's plan; what is above a fixed
 /// block in between does not count. Of equally deep blocks it is the first. The block rests on as many contacts as its smallest face has corners, each of the softest normal stiffness that
 /// it can meet. Blocks lean on one another and arches carry what is above them, so this is an estimate, in f64.
-pub(super) fn load(set: &ToleranceSet, scene: &Scene) -> Option<Warning> {
+pub(super) fn load(set: &ToleranceSet, scene: &Scene, columns: &[Column]) -> Option<Warning> {
     let allowed = set.penetration.approximate();
-    let columns = columns(set, scene).filter(|_| allowed > 0.0)?;
-    let total: f64 = columns.iter().filter_map(|one| one.weight).sum();
     let moving = || columns.iter().enumerate().filter(|(_, one)| one.weight.is_some() && one.resistance > 0.0);
     // Most scenes could bear all of it anywhere.
     let softest = moving().map(|(_, one)| one.resistance).fold(f64::INFINITY, f64::min);
-    if total.is_nan() || total <= allowed * softest {
+    let total = total(columns);
+    if allowed <= 0.0 || total.is_nan() || total <= allowed * softest {
         return None;
     }
-    let plans = Plans::of(&columns);
-    let depths = moving().map(|(block, one)| (block, carried(&columns, &plans, one) / one.resistance));
+    let plans = Plans::of(columns);
+    let depths = moving().map(|(block, one)| (block, borne(columns, &plans, one) / one.resistance));
     let (block, depth) = depths.reduce(|deepest, next| if next.1 > deepest.1 { next } else { deepest })?;
     if depth <= allowed || !depth.is_finite() {
         return None;
@@ -66,6 +65,30 @@ pub(super) fn load(set: &ToleranceSet, scene: &Scene) -> Option<Warning> {
     let penetration = is_mended.then(|| format!("penetration ≥ {}", six_digits(depth, true, false)));
     let remedy = [Some(stiffness), penetration].into_iter().flatten().collect::<Vec<_>>().join(" or ");
     Some(Warning { kind: WarningKind::Load, block: Some(block), found: depth, allowed, remedy })
+}
+
+/// All that blocks weigh and loads press down with (N).
+pub(super) fn total(columns: &[Column]) -> f64 {
+    columns.iter().filter_map(|one| Some(one.weight? + one.pushed.max(0.0))).sum()
+}
+
+/// What a block bears with its own weight and its own loads (N).
+pub(super) fn borne(columns: &[Column], plans: &Plans, one: &Column) -> f64 {
+    carried(columns, plans, one) + one.pushed
+}
+
+/// All blocks, each with the most that its loads press it down with at any time; `None` without gravity. Of several loads on one block the sum of what each presses at most.
+pub(super) fn loaded_columns(set: &ToleranceSet, scene: &Scene) -> Option<Vec<Column>> {
+    let mut columns = columns(set, scene)?;
+    let gravity = scene.simulation.gravity.components().map(Number::approximate);
+    let pull = dot(gravity, gravity).sqrt();
+    for load in &scene.simulation.loads {
+        let later = load.table.iter().filter(|(time, _)| *time > Number::ZERO);
+        let forces = later.map(|(_, force)| force.components().map(Number::approximate)).chain([load.at_start()]);
+        let down = forces.map(|force| dot(force, gravity) / pull).fold(f64::NEG_INFINITY, f64::max);
+        columns[load.block].pushed += down;
+    }
+    Some(columns)
 }
 
 /// What some blocks of a scene bear when time begins with their own weight, as the warning `load` estimates it (N), with the loads along gravity of the
@@ -132,7 +155,7 @@ fn across_and_against(down: [f64; 3]) -> [[f64; 3]; 3] {
 }
 
 /// The blocks by the squares of a grid across gravity that their plans meet.
-struct Plans {
+pub(super) struct Plans {
     /// The side of a square (m): half of the blocks are no longer.
     side: f64,
     squares: BTreeMap<[i64; 2], Vec<usize>>,
@@ -144,7 +167,7 @@ struct Plans {
 const SQUARES: i64 = 64;
 
 impl Plans {
-    fn of(columns: &[Column]) -> Plans {
+    pub(super) fn of(columns: &[Column]) -> Plans {
         let mut sides: Vec<f64> =
             columns.iter().map(|one| (0..2).map(|k| one.high[k] - one.low[k]).fold(0.0, f64::max)).collect();
         sides.sort_by(f64::total_cmp);
@@ -196,9 +219,13 @@ fn carried(columns: &[Column], plans: &Plans, one: &Column) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{load as of_columns, *};
     use crate::simulation::PointLoad;
     use crate::{SceneBlock, Vec3};
+
+    fn load(set: &ToleranceSet, scene: &Scene) -> Option<Warning> {
+        of_columns(set, scene, &loaded_columns(set, scene)?)
+    }
 
     /// Cubes of 1 m³ and 2,500 kg on a fixed slab, at these corners; gravity 10 m/s² along an axis.
     fn stacked(corners: &[[i32; 3]], down: usize) -> Scene {
@@ -280,6 +307,37 @@ mod tests {
         assert_eq!(borne(&scene), [50_000.0, 25_000.0, 25_000.0]);
         scene.simulation.loads = vec![load(2, &[(0, -30_000)])];
         assert_eq!(borne(&scene), [25_000.0, 25_000.0, 25_000.0]);
+    }
+
+    #[test]
+    fn loads_count_with_the_most_that_they_press_down_at_any_time() {
+        let mut scene = stacked(&[[0, 0, 0], [0, 0, 1], [3, 0, 0]], 2);
+        let load_on = |block, forces: &[(i32, i32)]| {
+            let at = Vec3::new(0, 0, 0).map(|&c: &i32| Number::from_integer(c));
+            let force = |&(time, down): &(i32, i32)| {
+                (Number::from_integer(time), Vec3::new(7, 0, -down).map(|&c| Number::from_integer(c)))
+            };
+            PointLoad { block, at, table: forces.iter().map(force).collect() }
+        };
+        // Four contacts of 125,000 N/m: 50 kN sink 10 cm, and 12.5 cm are allowed.
+        scene
+            .simulation
+            .joints
+            .all_mut()
+            .for_each(|joint| joint.normal_stiffness = Some(Number::from_integer(125_000)));
+        assert_eq!(load(&set(), &scene), None);
+        for (block, forces, deepest) in [
+            (2, &[(0, 0), (5, 20_000), (6, 0)][..], Some((1, 0.14))),
+            (1, &[(0, 30_000)], Some((1, 0.16))),
+            (3, &[(0, 40_000)], Some((3, 0.13))),
+            (3, &[(-1, 90_000), (0, 0)], None),
+            (1, &[(0, -30_000)], None),
+            (0, &[(0, 90_000)], None),
+        ] {
+            scene.simulation.loads = vec![load_on(block, forces)];
+            let found = load(&set(), &scene).map(|found| (found.block.unwrap(), (found.found * 1e6).round() / 1e6));
+            assert_eq!(found, deepest, "block {block}: {forces:?}");
+        }
     }
 
     #[test]

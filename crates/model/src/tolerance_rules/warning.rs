@@ -1,7 +1,8 @@
-//! Warnings beside the rules of SPEC section 3: tolerances of modes that keep contacts from closing or opening, and loads that contacts cannot bear.
+//! Warnings beside the rules of SPEC section 3: tolerances of modes that keep contacts from closing or opening, and weights and loads that contacts or blocks cannot bear.
 
 use super::RequiredValue;
-use super::load::load;
+use super::load::{load, loaded_columns};
+use super::strain::strain;
 use crate::number::Number;
 use crate::scene::Scene;
 use crate::tolerance::ToleranceSet;
@@ -16,8 +17,10 @@ pub enum WarningKind {
     Open,
     /// `equal` is 1 or more.
     Equal,
-    /// A block at rest under those above it would sink deeper than `penetration`.
+    /// A block at rest under those above it and loads would sink deeper than `penetration`.
     Load,
+    /// A deformable block would be strained by more than a hundredth by what it bears.
+    Strain,
 }
 
 impl WarningKind {
@@ -28,6 +31,7 @@ impl WarningKind {
             WarningKind::Open => "open",
             WarningKind::Equal => "equal",
             WarningKind::Load => "load",
+            WarningKind::Strain => "strain",
         }
     }
 
@@ -37,7 +41,8 @@ impl WarningKind {
             WarningKind::Close => "open contacts may never close",
             WarningKind::Open => "closed contacts may be lost before they open",
             WarningKind::Equal => "contacts may keep their mode however far blocks move",
-            WarningKind::Load => "a block may sink deeper than penetration under those above it",
+            WarningKind::Load => "a block may sink deeper than penetration under those above it and loads",
+            WarningKind::Strain => "a block may be squashed by its weight or by loads",
         }
     }
 
@@ -48,8 +53,9 @@ impl WarningKind {
             WarningKind::Open => "open ≤ search",
             WarningKind::Equal => "equal < 1",
             WarningKind::Load => {
-                "(weight of a block and of those above it)/(normal_stiffness·corners of its smallest face) ≤ penetration"
+                "(weight of a block, of those above it, and loads)/(normal_stiffness·corners of its smallest face) ≤ penetration"
             }
+            WarningKind::Strain => "(weight of a block, of those above it, and loads)/(young·area of its plan) ≤ 1/100",
         }
     }
 
@@ -65,6 +71,9 @@ impl WarningKind {
             WarningKind::Equal => "a contact's mode stays where its gap is no larger than equal times the gap before",
             WarningKind::Load => {
                 "a block on its smallest face bears what stands above it, here each block above by the share of its plan that is over this one"
+            }
+            WarningKind::Strain => {
+                "strains are taken for small, and rock breaks long before: young is in Pa, so 50 GPa are 50e9"
             }
         }
     }
@@ -110,7 +119,9 @@ pub fn warnings(set: &ToleranceSet, scene: &Scene) -> Vec<Warning> {
         no_more(WarningKind::Open, &set.open, &set.search),
         equal,
     ];
-    modes.into_iter().flatten().chain(load(set, scene)).collect()
+    let columns = loaded_columns(set, scene);
+    let borne = columns.map_or([None, None], |columns| [load(set, scene, &columns), strain(scene, &columns)]);
+    modes.into_iter().chain(borne).flatten().collect()
 }
 
 #[cfg(test)]
