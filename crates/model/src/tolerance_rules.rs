@@ -287,14 +287,17 @@ impl Extremes {
         );
         let eps = Number::from_f64(256.0 * precision.epsilon()).unwrap_or(Number::ZERO).to_rational();
         let resolved = &eps * &self.largest_coordinate;
+        let remedies = [
+            ("territory", RequiredValue::OrMore(resolved.clone())),
+            ("all coordinates", RequiredValue::OrLess(&territory / &eps)),
+        ];
+        // No block has all of its coordinates 0.
+        let possible = if set.territory.is_zero() { &remedies[..1] } else { &remedies[..] };
         violations.require(
             Rule::TerritoryResolved,
             (&territory, Relation::NotBelow, &resolved),
             Some(self.furthest),
-            &[
-                ("territory", RequiredValue::OrMore(resolved.clone())),
-                ("all coordinates", RequiredValue::OrLess(&territory / &eps)),
-            ],
+            possible,
         );
         violations.require(
             Rule::Displacement,
