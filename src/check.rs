@@ -4,15 +4,18 @@ use crate::exit::{ExitStatus, Outcome, print, print_error, print_note};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, precision};
 use crate::input_file::{InputFile, ModelFile};
 use crate::progress::overlaps;
-use crate::reading::{is_apart_in, is_bent, planarity_that_merges, planarity_that_reads, weld_that_joins};
+use crate::reading::{
+    is_apart_in, is_bent, planarity_of_bent, planarity_that_merges, planarity_that_reads, weld_that_joins,
+};
 use anyhow::Context;
 use rockproof_examine::{
-    CheckError, CheckedModel, Naming, StoredEnergy, in_seven_digits, unexplained_energy, violation_json,
+    CheckError, CheckedModel, Naming, Overlaps, StoredEnergy, in_seven_digits, unexplained_energy, violation_json,
     violations_text,
 };
 use rockproof_model::text::noun;
-use rockproof_model::tolerance_rules::{Fall, Thin, Warning};
-use rockproof_model::{Number, Precision, Scene};
+use rockproof_model::tolerance_rules::{self, Fall, Rule, Thin, Warning};
+use rockproof_model::{Number, Precision, Scene, ToleranceSet};
+use rockproof_oracle::audit::{Overlap, OverlapSeverity, OverlapVisibility};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -70,7 +73,8 @@ impl Check {
             falls.chain(thin).chain(model.warnings.iter().map(warning)).collect::<String>()
         };
         let stored_text = || warning_of_energy(&stored, &model.scene);
-        let rest = || warnings() + &stored_text() + &overlaps.report(&model.scene);
+        let unseen = || territory_that_sees(&overlaps, &model).unwrap_or_default();
+        let rest = || warnings() + &stored_text() + &overlaps.report(&model.scene) + &unseen();
         self.format.print(rest, || {
             let mut document = model.json();
             document["touch_nothing"] = overlaps.lonely(model.scene.blocks.len()).into();
@@ -144,8 +148,14 @@ impl ModelArgs {
             if let Some(more) = problems.len().checked_sub(most).filter(|more| *more > 0) {
                 print_note(&format!("and {more} more{}", if bent { " of this sort" } else { "" }));
             }
-            if bent && let Some(planarity) = planarity_that_reads(file) {
-                print_note(&format!("every face is within --planarity {planarity}"));
+            if bent {
+                let cut = "these faces are bent, not rounded: cut them into triangles";
+                print_note(&match planarity_that_reads(file) {
+                    Some(planarity) => format!("every face is within --planarity {planarity}"),
+                    None => planarity_of_bent(file).map_or(cut.to_owned(), |planarity| {
+                        format!("{cut}, or read them as they are with --planarity {planarity}")
+                    }),
+                });
             }
             let apart = problems.iter().any(|problem| is_apart_in(file, problem));
             if apart && let Some(distance) = weld_that_joins(file) {
@@ -258,4 +268,39 @@ fn warning_of_thin(thin: &Thin) -> String {
         \x20   satisfied  by {remedy}\n",
         thickness / 2.0
     )
+}
+
+/// Unseen overlaps of which at most so many are looked at again.
+const MAX_LOOKED_AT_AGAIN: usize = 1000;
+
+/// A territory with which contacts see overlaps that they do not: at boundaries that lie on one another a deeper overlap is beyond it. Nothing
+/// where no pair is seen then, or rules forbid it.
+fn territory_that_sees(overlaps: &Overlaps, model: &CheckedModel) -> Option<String> {
+    let CheckedModel { scene, set, precision, .. } = model;
+    let territory = set.territory.approximate();
+    let is_meant = |overlap: &Overlap| overlap.sight == OverlapVisibility::Unseen && !overlap.is_deeper_than_g;
+    let unseen = overlaps.all().filter(|(overlap, severity)| *severity == OverlapSeverity::Lost && is_meant(overlap));
+    let depths = unseen.filter_map(|(overlap, _)| Some((overlap.blocks, overlap.penetration.depth_m()?)));
+    let deeper: Vec<([usize; 2], f64)> =
+        depths.filter(|(_, depth)| *depth > territory).take(MAX_LOOKED_AT_AGAIN).collect();
+    if deeper.is_empty() {
+        return None;
+    }
+    let deepest = deeper.iter().map(|(_, depth)| *depth).fold(0.0, f64::max);
+    // A little wider, in four digits.
+    let wider: f64 = format!("{:.3e}", 1.01 * deepest).parse().ok()?;
+    let wider_set = ToleranceSet { territory: Number::parse(&wider.to_string()).ok()?, ..set.clone() };
+    let forbidden = [Rule::TerritoryInSearch, Rule::TerritoryOnEdge];
+    let violations = tolerance_rules::check(&wider_set, &scene.shapes(), *precision);
+    if violations.iter().any(|violation| forbidden.contains(&violation.rule)) {
+        return None;
+    }
+    let pairs: Vec<(usize, usize)> = deeper.iter().map(|([a, b], _)| (*a, *b)).collect();
+    let seen = pairs.len() - self::overlaps(scene, &wider_set, Some(&pairs)).lost();
+    let (pairs, overlap) = (noun(seen, "pair", "pairs"), noun(seen, "overlaps", "overlap"));
+    (seen > 0).then(|| {
+        format!(
+            "  {seen} {pairs} {overlap} deeper than territory ({territory} m), and at boundaries contacts do not see that; they do with --set territory={wider}\n"
+        )
+    })
 }

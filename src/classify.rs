@@ -112,7 +112,10 @@ impl Classify {
         let classifier = Classifier::new(self.engine, &blocks, &tolerances).with_context(place)?;
         // Blocks that overlap deeper than any contact says are the first thing to know of a model. A row of CSV is a contact, so there it is not told.
         let audited = !matches!(self.format, OutputFormat::Csv);
-        let overlaps = audited.then(|| overlaps(&scene, &tolerances, Some(&pairs)));
+        // Two fixed blocks never move, so they pass through nothing.
+        let fixed = scene.fixed();
+        let may_move: Vec<(usize, usize)> = pairs.iter().copied().filter(|&(i, j)| !(fixed[i] && fixed[j])).collect();
+        let overlaps = audited.then(|| overlaps(&scene, &tolerances, Some(&may_move)));
         let mut rows = Vec::new();
         counted_while((pairs.len() as u64, "pairs"), "classified", |done| {
             let found = classifier.all(&pairs, done, audited);
@@ -128,6 +131,11 @@ impl Classify {
         })?;
         if let (OutputFormat::Table, Some(overlaps)) = (self.format, overlaps) {
             writeln!(rows, "{}", overlaps.line())?;
+            let both_fixed = pairs.len() - may_move.len();
+            if both_fixed > 0 {
+                let pairs = noun(both_fixed, "pair", "pairs");
+                writeln!(rows, "({both_fixed} {pairs} of fixed blocks, which never move, left out of the overlaps)")?;
+            }
             print(&String::from_utf8_lossy(&rows))?;
         }
         Ok(ExitStatus::Passed)

@@ -47,11 +47,15 @@ impl InputFile {
         }
     }
 
-    /// The argument as it stands in a command to go on with. What came from stdin is not there again.
+    /// The argument as it stands in a command to go on with, where a name that begins with a hyphen would be an option. What came from stdin is
+    /// not there again.
     pub(crate) fn shown(&self) -> String {
         match self {
             InputFile::Stdin => "FILE".to_owned(),
-            InputFile::Named(path) => quoted(&path.display().to_string()),
+            InputFile::Named(path) => {
+                let name = path.display().to_string();
+                quoted(&if name.starts_with('-') { format!("./{name}") } else { name })
+            }
         }
     }
 
@@ -179,12 +183,23 @@ impl ModelFile {
 
     /// The scene; the first thing wrong with the file is an error.
     pub(crate) fn scene(&self) -> Result<Scene, SceneError> {
-        Scene::parse_bytes(&self.bytes, self.format, &self.name, &self.options)
+        let scene = Scene::parse_bytes(&self.bytes, self.format, &self.name, &self.options);
+        scene.inspect_err(|error| self.note_other_format(error))
+    }
+
+    /// Says so where a file that cannot be read begins as those of another format do.
+    fn note_other_format(&self, error: &SceneError) {
+        let is_of_block = matches!(error.problem, SceneProblem::Block { .. } | SceneProblem::Tolerances(_));
+        let looks = SceneFormat::of_contents(&self.bytes).filter(|looks| *looks != self.format);
+        if let (false, true, Some(looks)) = (is_of_block, error.file == self.name, looks) {
+            let (file, looks, format) = (self.name.display(), looks.name(), self.format.name());
+            print_note(&format!("{file} is read as {format} and begins as {looks} does: --input-format {looks}"));
+        }
     }
 
     /// The blocks that can be used, and what is wrong with the others.
     pub(crate) fn survey(&self) -> Result<(Scene, Vec<SceneError>), SceneError> {
-        self.survey_with(&self.options)
+        self.survey_with(&self.options).inspect_err(|error| self.note_other_format(error))
     }
 
     /// The same with other options than those given, which [`ModelFile::options`] are.

@@ -8,6 +8,9 @@ use rockproof_model::{BlockError, LoadOptions, Number, Scene, SceneError, Topolo
 /// The planarities tried, mildest first; beyond the last a face is bent, not rounded.
 const PLANARITIES: [&str; 6] = ["1e-8", "1e-7", "1e-6", "1e-5", "1e-4", "1e-3"];
 
+/// Those beyond them, with which bent faces are read.
+const OF_BENT_FACES: [&str; 2] = ["1e-2", "1e-1"];
+
 /// The distances tried at which vertices are joined, in the file's unit, mildest first.
 const WELDS: [&str; 9] = ["0", "1e-9", "1e-8", "1e-7", "1e-6", "1e-5", "1e-4", "1e-3", "1e-2"];
 
@@ -33,7 +36,17 @@ pub(crate) fn is_bent(problem: &SceneError) -> bool {
 
 /// The mildest of some planarities that every face of the file is within, if one is.
 pub(crate) fn planarity_that_reads(model: &ModelFile) -> Option<&'static str> {
-    PLANARITIES.into_iter().find(|text| read(model, text).is_some_and(|(_, problems)| !problems.iter().any(is_bent)))
+    least_that_reads(model, &PLANARITIES)
+}
+
+/// The same beyond what rounding explains.
+pub(crate) fn planarity_of_bent(model: &ModelFile) -> Option<&'static str> {
+    least_that_reads(model, &OF_BENT_FACES)
+}
+
+fn least_that_reads(model: &ModelFile, planarities: &[&'static str]) -> Option<&'static str> {
+    let reads = |text: &&&str| read(model, text).is_some_and(|(_, problems)| !problems.iter().any(is_bent));
+    planarities.iter().find(reads).copied()
 }
 
 /// What the mildest planarity does that lets more faces of the scene become one, if one does: triangles of a mesh whose coordinates were

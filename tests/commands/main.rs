@@ -48,6 +48,7 @@ mod model_warnings;
 mod numbers_in_settings;
 mod output_files;
 mod passages;
+mod remedies;
 mod report_command;
 mod report_page;
 mod report_runs;

@@ -292,12 +292,16 @@ impl Extremes {
             ("territory", RequiredValue::OrMore(resolved.clone())),
             ("all coordinates", RequiredValue::OrLess(&territory / &eps)),
         ];
+        // A territory that the shortest edge does not allow would break another rule, and no block has all of its coordinates 0.
+        let possible = match set.territory.is_zero() {
+            true => &remedies[..1],
+            false => &remedies[usize::from(&resolved * &resolved > quarter)..],
+        };
         violations.require(
             Rule::TerritoryResolved,
             (&territory, Relation::NotBelow, &resolved),
             Some(self.furthest),
-            // A territory that the shortest edge does not allow would break another rule.
-            &remedies[usize::from(&resolved * &resolved > quarter)..],
+            possible,
         );
         violations.require(
             Rule::Displacement,

@@ -157,7 +157,9 @@ pub enum TopologyError {
         vertex: u32,
     },
     /// An edge with a face on one side only.
-    #[error("the surface is open at edge {p}-{q} of face {face}: no other face runs {q} to {p}")]
+    #[error(
+        "the surface is open at edge {p}-{q} of face {face}: no other face runs {q} to {p}; add the face that is missing there, or give the one that is there the same vertices (a T-junction)"
+    )]
     Open {
         /// First vertex.
         p: u32,
@@ -193,7 +195,7 @@ pub enum TopologyError {
         vertex: usize,
     },
     /// Two surfaces that do not hang together.
-    #[error("the faces form more than one shell: face {face} is not connected to face 0")]
+    #[error("the faces form more than one shell: face {face} is not connected to face 0; a block has one, no cavity")]
     Disconnected {
         /// A face of the second shell.
         face: usize,
@@ -294,10 +296,8 @@ impl Topology {
                 }
             }
         }
-        match seen.iter().position(|&s| !s) {
-            Some(face) => Err(TopologyError::Disconnected { face }),
-            None => Ok(()),
-        }
+        let apart = seen.iter().position(|&s| !s);
+        apart.map_or(Ok(()), |face| Err(TopologyError::Disconnected { face }))
     }
 
     /// Number of vertices.

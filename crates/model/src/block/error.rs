@@ -38,7 +38,7 @@ pub enum BlockError {
         z: f64,
     },
     /// A face without area.
-    #[error("face {face} has no area: its loop of {length} vertices encloses nothing")]
+    #[error("face {face} has no area: its loop of {length} vertices encloses nothing; {}", remedy_for_no_area(*length))]
     DegenerateFace {
         /// The face.
         face: usize,
@@ -147,7 +147,7 @@ pub enum BlockError {
     },
     /// Coplanar faces whose union is a ring.
     #[error(
-        "merging the {count} coplanar faces around face {face} gives a face with a hole, which one loop cannot describe"
+        "merging the {count} coplanar faces around face {face} gives a face with a hole, which one loop cannot describe; split the solid into several blocks, so that no face runs all round a hole or a pocket"
     )]
     FaceWithHole {
         /// Lowest number of the merged faces.
@@ -157,7 +157,7 @@ pub enum BlockError {
     },
     /// Coplanar faces whose union touches itself at a vertex.
     #[error(
-        "merging the {count} coplanar faces around face {face} gives a face that touches itself at vertex {vertex}; a face is a simple polygon"
+        "merging the {count} coplanar faces around face {face} gives a face that touches itself at vertex {vertex}; a face is a simple polygon, so split the solid into several blocks there"
     )]
     PinchedFace {
         /// Lowest number of the merged faces.
@@ -191,6 +191,15 @@ fn furthest(vertices: &[usize], corners: usize, deviation: f64) -> String {
             let several: Vec<String> = several.iter().map(usize::to_string).collect();
             format!("vertices {} are {deviation:.3e} of the block's size off the face's plane", several.join(", "))
         }
+    }
+}
+
+/// What to do about a face without area: corners of a triangle lie in line, those of a longer loop may be in a wrong order.
+fn remedy_for_no_area(length: usize) -> &'static str {
+    if length == 3 {
+        "leave it out, and give the faces beside it the same vertices along their common edge"
+    } else {
+        "its vertices must follow one another round the face, and not all lie in line"
     }
 }
 

@@ -79,6 +79,12 @@ pub(super) const KINDS: [CellKind; 7] = [
     },
 ];
 
+/// The kinds that can be read, for messages.
+pub(super) fn known_kinds() -> String {
+    let known: Vec<String> = KINDS.iter().map(|kind| format!("{} ({})", kind.number, kind.name)).collect();
+    format!("types that can are {} and {POLYHEDRON} (polyhedron)", known.join(", "))
+}
+
 impl CellKind {
     /// The faces of a cell with these corners.
     pub(super) fn faces_on(&self, corners: &[u32]) -> Vec<Vec<u32>> {

@@ -5,10 +5,12 @@
 //! used. No library reads this format.
 
 use crate::block::Point;
+use crate::number::Number;
 use crate::scene::error::SceneProblem;
-use crate::scene::raw::{FeatureLines, RawBlock};
-use crate::scene::tokens::{Located, Tokens, unexpected, whole};
+use crate::scene::raw::{FeatureLines, RawBlock, Winding};
+use crate::scene::tokens::{self, Located, Token, Tokens, unexpected, whole};
 use crate::text::noun;
+use crate::vector::Vec3;
 
 /// Consecutive entries of a list.
 #[derive(Clone, Copy)]
@@ -24,9 +26,12 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
     tokens.keyword("#_DDA_DataFile_Version_1.0")?;
     let (blocks, vertex_slices) = slices(tokens, "POINTS_START_LENGTH", "vertices of a block")?;
     let points_line = tokens.peek().map_or(0, |token| token.line);
-    let points = points(tokens).map_err(|error| uneven_line_or(error, text, points_line))?;
+    tokens.keyword("POINTS")?;
+    let announced = tokens.count("the number of points")?;
+    let miscounted = |error| miscount_or(error, text, (points_line, announced));
+    let points = points(tokens, announced).map_err(miscounted)?;
+    tokens.keyword(BEHIND_POINTS).map_err(miscounted)?;
     check_used_once(&vertex_slices, points.len(), "vertex of the list")?;
-    tokens.keyword(BEHIND_POINTS).map_err(|error| uneven_line_or(error, text, points_line))?;
     let node_count = tokens.count("the length of the node list")?;
     let mut nodes = Vec::new();
     let mut node_lines = Vec::new();
@@ -56,7 +61,7 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
                 vertices: own_points.iter().map(|(_, line)| *line).collect(),
                 faces: own_faces.iter().map(|face| *node_lines.get(face.start).unwrap_or(&face.line)).collect(),
             },
-            is_cell: false,
+            winding: Winding::Outward,
         }
     };
     Ok(vertex_slices.iter().zip(&shell_slices).enumerate().map(block).collect())
@@ -78,23 +83,31 @@ fn slices(tokens: &mut Tokens<'_>, keyword: &str, what: &str) -> Result<(Count, 
     Ok(((count, line), slices))
 }
 
-fn points(tokens: &mut Tokens<'_>) -> Result<Vec<(Point, usize)>, Located> {
-    tokens.keyword("POINTS")?;
-    let count = tokens.count("the number of points")?;
+fn points(tokens: &mut Tokens<'_>, count: usize) -> Result<Vec<(Point, usize)>, Located> {
     tokens.keyword("double")?;
     let mut points = Vec::new();
     for _ in 0..count {
         let line = tokens.peek().map_or(0, |t| t.line);
-        points.push((tokens.point("a coordinate of a vertex")?, line));
+        let mut coordinate = || number(tokens, "a coordinate of a vertex");
+        points.push((Vec3::new(coordinate()?, coordinate()?, coordinate()?), line));
     }
     Ok(points)
+}
+
+/// The next word as a number, also with the exponent that Fortran writes in double precision: `1.0D0`.
+fn number(tokens: &mut Tokens<'_>, what: &str) -> Result<Number, Located> {
+    let token = tokens.next(what)?;
+    let with_e = token.text.replace(['D', 'd'], "e");
+    let is_fortran = with_e != token.text && with_e.parse::<f64>().is_ok();
+    tokens::number(if is_fortran { Token { text: &with_e, ..token } } else { token }, what)
 }
 
 /// The section behind the points.
 const BEHIND_POINTS: &str = "FACES_NODELIST";
 
-/// An error about coordinates too many or too few, at the line that has them where the other lines have three each.
-fn uneven_line_or(error: Located, text: &str, points_line: usize) -> Located {
+/// An error about coordinates too many or too few, at the line that has them where the other lines have three each, or at the line that says how
+/// many points there are where that is another number than follow.
+fn miscount_or(error: Located, text: &str, (points_line, announced): (usize, usize)) -> Located {
     let SceneProblem::Unexpected { found, expected } = &error.1 else { return error };
     if ![found, expected].iter().any(|text| text.contains(BEHIND_POINTS)) {
         return error;
@@ -108,6 +121,12 @@ fn uneven_line_or(error: Located, text: &str, points_line: usize) -> Located {
         Some(&&(line, count)) if uneven.len() < of_three => {
             let found = format!("a line of {count} {}", noun(count, "word", "words"));
             (Some(line), SceneProblem::Unexpected { found, expected: "the 3 coordinates of a vertex".to_string() })
+        }
+        None if of_three != announced => {
+            let (what, found) = ("the number of points".to_owned(), announced.to_string());
+            let last = counts.iter().rev().find(|(_, count)| *count != 0).map_or(points_line, |(line, _)| *line);
+            let allowed = format!("{of_three}, as many as follow up to line {last}");
+            (Some(points_line), SceneProblem::NotAllowed { what, found, allowed })
         }
         _ => error,
     }
@@ -191,7 +210,7 @@ fn scalars(tokens: &mut Tokens<'_>, blocks: usize) -> Result<Vec<bool>, Located>
             if name.text == FIXED {
                 *block_is_fixed = tokens.index("a fixedFlag", 2)? == 1;
             } else {
-                tokens.number(&format!("a value of {}", crate::number_text::shown(name.text)))?;
+                number(tokens, &format!("a value of {}", crate::number_text::shown(name.text)))?;
             }
         }
     }
@@ -235,7 +254,8 @@ fn boundaries(tokens: &mut Tokens<'_>) -> Result<(), Located> {
             tokens.next("a list")?;
             tokens.count("the length of a boundary list")?;
         } else {
-            tokens.number(
+            number(
+                tokens,
                 "an entry of a boundary list, or \"Bond:\", \"Viscous:\", \"Roller:\", \"Input:\", \"FixFace:\"",
             )?;
         }

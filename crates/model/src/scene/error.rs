@@ -111,7 +111,7 @@ pub enum SceneProblem {
         known: String,
     },
     /// A block that is none.
-    #[error("{}: {error}{}", place.block, behind_error(&place.vertices))]
+    #[error("{}", block_in_words(error, place))]
     Block {
         /// What is wrong with it.
         error: BlockError,
@@ -146,6 +146,8 @@ pub struct BlockPlace {
     pub block: String,
     /// Where the vertices that the error names are: not every format numbers them, and none as blocks do.
     pub vertices: Vec<VertexPlace>,
+    /// The block that it is a cavity of, by name: where it is turned inside out and lies within that.
+    pub cavity_of: Option<String>,
 }
 
 /// Where a vertex of a file is.
@@ -161,14 +163,34 @@ pub struct VertexPlace {
 
 impl fmt::Display for VertexPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z] = self.point.components().map(|c| match c.as_f64() {
-            Some(value) => format!("{value:?}").trim_end_matches(".0").to_owned(),
-            None => shown(&c.to_string()),
-        });
+        let [x, y, z] = self.point.components().map(decimal);
         write!(f, "vertex {} at ({x}, {y}, {z})", self.vertex)?;
         match self.line {
             Some(line) => write!(f, " in line {line}"),
             None => Ok(()),
+        }
+    }
+}
+
+/// A coordinate as a decimal, or as the fraction that it is.
+pub(super) fn decimal(number: &Number) -> String {
+    match number.as_f64() {
+        Some(value) => format!("{value:?}").trim_end_matches(".0").to_owned(),
+        None => shown(&number.to_string()),
+    }
+}
+
+/// A block that is none, in a sentence.
+fn block_in_words(error: &BlockError, place: &BlockPlace) -> String {
+    let BlockPlace { block, vertices, cavity_of } = place;
+    match cavity_of {
+        None => format!("{block}: {error}{}", behind_error(vertices)),
+        Some(name) => {
+            let around = shown(name);
+            format!(
+                "{block}: its faces run clockwise seen from outside, and it lies within \"{around}\": a cavity, which no block can have; \
+                 split \"{around}\" into several blocks around it"
+            )
         }
     }
 }

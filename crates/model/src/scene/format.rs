@@ -21,7 +21,7 @@ pub enum SceneFormat {
     Ply,
     /// Gmsh, in ASCII or binary, `.msh`.
     Msh,
-    /// Legacy VTK polyhedra in ASCII, `.vtk`.
+    /// Legacy VTK in ASCII, unstructured grids, `.vtk`.
     Vtk,
     /// VTK's unstructured grids in XML, `.vtu`.
     Vtu,
@@ -92,7 +92,9 @@ impl SceneFormat {
         let line = lines.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"#"))?;
         let word = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
         match word {
-            b"v" | b"vt" | b"vn" | b"vp" | b"f" | b"o" | b"g" | b"s" | b"usemtl" | b"mtllib" if word != line => {
+            b"v" | b"vt" | b"vn" | b"vp" | b"f" | b"l" | b"p" | b"o" | b"g" | b"s" | b"usemtl" | b"mtllib"
+                if word != line =>
+            {
                 // `s = 1` is TOML.
                 let rest = line[word.len()..].trim_ascii_start();
                 Some(if rest.starts_with(b"=") { SceneFormat::Toml } else { SceneFormat::Obj })

@@ -116,12 +116,12 @@ pub(super) fn weld(faces: &mut Vec<Face>, points: &[Point], distance: &Number) {
 
 /// The same with the faces of one block; points that are in no face any more are left out.
 pub(super) fn weld_block(raw: RawBlock, distance: &Number) -> RawBlock {
-    let RawBlock { name, fixed, vertices, faces, line, lines, is_cell } = raw;
+    let RawBlock { name, fixed, vertices, faces, line, lines, winding } = raw;
     let face = |(i, vertices)| Face { vertices, line: lines.faces.get(i).copied() };
     let mut faces: Vec<Face> = faces.into_iter().enumerate().map(face).collect();
     weld(&mut faces, &vertices, distance);
     let faces: Vec<&Face> = faces.iter().collect();
-    RawBlock { name, fixed, line, is_cell, ..of_faces(&faces, &vertices, &lines.vertices) }
+    RawBlock { name, fixed, line, winding, ..of_faces(&faces, &vertices, &lines.vertices) }
 }
 
 /// Points kept so far, by the cell of a grid that they lie in. Cells have at least twice the distance on each side, so two points within it

@@ -1,5 +1,7 @@
 //! Scenes: blocks with names, what they were read from, and the tolerances asked for.
 
+mod builder;
+mod cavity;
 mod cells;
 mod dda;
 mod error;
@@ -21,13 +23,14 @@ pub use error::{BlockPlace, SceneError, SceneProblem, VertexPlace};
 pub use format::SceneFormat;
 pub use write::{FormatError, losses, write, write_tolerances, write_toml};
 
-use crate::block::{Block, BlockOptions, Merged, Merging, Shapes};
+use crate::block::{Block, BlockOptions, Merged, Shapes};
 use crate::files::{read_limited, without_mark};
 use crate::number::Number;
 use crate::simulation::{Body, Motion, Simulation, derive_stiffness};
 use crate::tolerance::ToleranceSet;
 use crate::tolerance_spec::ToleranceSpec;
-use raw::{Assembly, FeatureLines, RawBlock};
+use builder::SceneBuilder;
+use raw::{Assembly, RawBlock};
 use std::path::{Path, PathBuf};
 use tokens::{Located, as_text, with_line_feeds};
 use toml::BodyProperties;
@@ -180,6 +183,7 @@ impl Scene {
                 }
                 let document = as_text(bytes).and_then(toml::read).map_err(|problem| at(path, problem))?;
                 gathered.add_entries(&document, path, options)?;
+                gathered.tell_cavities();
                 (scene.tolerances, scene.simulation) = (document.tolerances, document.simulation);
                 attached = Some(document.attached);
             }
@@ -187,6 +191,7 @@ impl Scene {
                 let blocks = blocks.map_err(|problem| at(path, problem))?;
                 let assembly = Assembly { file: path, options, planarity: None, merging: format.merging() };
                 gathered.add_all(blocks, &assembly, &BodyProperties::default());
+                gathered.tell_cavities();
                 if let Some(scale) = options.scaled() {
                     gathered.scale(scale, path);
                 }
@@ -249,106 +254,6 @@ impl ToleranceSpec {
         let path = path.as_ref();
         let bytes = read_limited(path).map_err(|error| at(path, (None, SceneProblem::Io(error))))?;
         as_text(&bytes).and_then(toml::read_tolerances).map_err(|problem| at(path, problem))
-    }
-}
-
-/// Blocks read so far. Blocks are numbered in the order read, good or bad.
-#[derive(Default)]
-struct SceneBuilder {
-    blocks: Vec<SceneBlock>,
-    shapes: Shapes,
-    problems: Vec<SceneError>,
-    count: usize,
-}
-
-impl SceneBuilder {
-    fn add_all(&mut self, raws: Vec<RawBlock>, assembly: &Assembly<'_>, patch: &BodyProperties) {
-        for (index, raw) in raws.into_iter().enumerate() {
-            self.add_one(raw, index, assembly, patch);
-        }
-    }
-
-    fn add_entries(&mut self, document: &toml::Document, path: &Path, options: &LoadOptions) -> Result<(), SceneError> {
-        for (index, entry) in document.entries.iter().enumerate() {
-            let planarity = entry.planarity.as_ref().or(document.planarity.as_ref());
-            let assembly = Assembly { file: path, options, planarity, merging: Merging::Exact };
-            let raw = |vertices, faces, lines| RawBlock {
-                name: entry.name.clone(),
-                vertices,
-                faces,
-                lines,
-                line: Some(entry.line),
-                ..RawBlock::default()
-            };
-            match &entry.content {
-                toml::ShapeSource::Mesh { vertices, faces, lines } => {
-                    let raw = raw(vertices.clone(), faces.clone(), lines.clone());
-                    self.add_one(raw, index, &assembly, &entry.patch);
-                }
-                toml::ShapeSource::Box { min, max } => {
-                    let (vertices, faces) = crate::block::cuboid_mesh(min, max);
-                    self.add_one(raw(vertices, faces, FeatureLines::default()), index, &assembly, &entry.patch);
-                }
-                toml::ShapeSource::File(name) => {
-                    let refuse = |problem| at(path, (Some(entry.line), problem));
-                    let file = path.parent().unwrap_or(Path::new("")).join(name);
-                    let format = SceneFormat::of_path(&file).filter(|f| *f != SceneFormat::Toml).ok_or_else(|| {
-                        refuse(SceneProblem::Unsupported {
-                            what: format!("`file` {}", crate::number_text::shown(name)),
-                            allowed: format!(
-                                "a scene can take blocks from {}",
-                                SceneFormat::listed(|format| format != SceneFormat::Toml)
-                            ),
-                        })
-                    })?;
-                    let bytes = read_limited(&file)
-                        .map_err(|error| refuse(SceneProblem::NamedFile { file: file.display().to_string(), error }))?;
-                    let raws = read_foreign(&bytes, format, options).unwrap_or(Ok(Vec::new()));
-                    let mut raws = raws.map_err(|problem| at(&file, problem))?;
-                    let several = raws.len() > 1;
-                    for (i, raw) in raws.iter_mut().enumerate() {
-                        if let Some(name) = &entry.name {
-                            raw.name = Some(if several { format!("{name}_{i}") } else { name.clone() });
-                        }
-                    }
-                    let assembly = Assembly { file: &file, merging: format.merging(), ..assembly };
-                    self.add_all(raws, &assembly, &entry.patch);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Multiplies every length of the blocks read so far; a block that is none then is a problem.
-    fn scale(&mut self, factor: &Number, path: &Path) {
-        for mut block in std::mem::take(&mut self.blocks) {
-            let vertices = block.block.vertices().iter().map(|v| v.map(|c| c.times(factor))).collect();
-            let options = BlockOptions { planarity: block.planarity.clone() };
-            match Block::new(vertices, block.block.topology().faces().to_vec(), &options) {
-                Ok(scaled) => {
-                    block.block = scaled;
-                    self.shapes.share(&mut block.block);
-                    self.blocks.push(block);
-                }
-                Err(error) => {
-                    let block = format!("block {} \"{}\", scaled", block.origin.index, block.name);
-                    let place = Box::new(BlockPlace { block, vertices: Vec::new() });
-                    self.problems.push(at(path, (None, SceneProblem::Block { error, place })));
-                }
-            }
-        }
-    }
-
-    fn add_one(&mut self, raw: RawBlock, index: usize, assembly: &Assembly<'_>, patch: &BodyProperties) {
-        match assembly.build(raw, index, self.count) {
-            Ok(mut block) => {
-                patch.apply(&mut block.body);
-                self.shapes.share(&mut block.block);
-                self.blocks.push(block);
-            }
-            Err(problem) => self.problems.push(problem),
-        }
-        self.count += 1;
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The crates for OBJ (`tobj`, `obj-rs`) give errors without line numbers, and `tobj` triangulates or renumbers on its
 //! way to what graphics cards want; the part of the format that matters here is two statements, so it is read here.
-//! Texture coordinates, normals, groups, materials and smoothing are skipped.
+//! Texture coordinates, normals, groups, materials, smoothing, and lines and points of no face are skipped.
 
 use crate::block::Point;
 use crate::number::Number;
@@ -24,6 +24,7 @@ struct Object {
 pub(super) fn read(text: &str, weld_distance: Option<&Number>) -> Result<Vec<RawBlock>, Located> {
     let mut vertices: Vec<(Point, usize)> = Vec::new();
     let mut objects = vec![Object::default()];
+    let mut loose: BTreeSet<u32> = BTreeSet::new();
     for (line, statement) in statements(text) {
         let mut words = statement.split_ascii_whitespace().map(|text| Token { text, line });
         let Some(keyword) = words.next() else { continue };
@@ -42,12 +43,23 @@ pub(super) fn read(text: &str, weld_distance: Option<&Number>) -> Result<Vec<Raw
                 }
                 objects.push(Object { name: (!name.is_empty()).then_some(name), faces: Vec::new() });
             }
+            // Edges and points of no face, as Blender writes them.
+            "l" | "p" => {
+                for word in words {
+                    loose.insert(corner(word, vertices.len())?);
+                }
+            }
             "vt" | "vn" | "vp" | "g" | "s" | "usemtl" | "mtllib" => {}
-            _ => return Err(unexpected(keyword, "one of the statements v, f, o, vt, vn, vp, g, s, usemtl, mtllib")),
+            _ => {
+                return Err(unexpected(
+                    keyword,
+                    "one of the statements v, f, o, l, p, vt, vn, vp, g, s, usemtl, mtllib",
+                ));
+            }
         }
     }
     let used: BTreeSet<u32> = objects.iter().flat_map(|o| &o.faces).flat_map(|f| f.vertices.iter().copied()).collect();
-    if let Some(unused) = (0..vertices.len() as u32).find(|v| !used.contains(v)) {
+    if let Some(unused) = (0..vertices.len() as u32).find(|v| !used.contains(v) && !loose.contains(v)) {
         let problem = SceneProblem::NotAllowed {
             what: format!("vertex {} of the file", unused + 1),
             found: "in no face".to_string(),

@@ -18,8 +18,19 @@ pub(super) struct RawBlock {
     /// Where it begins, in a file of lines.
     pub(super) line: Option<usize>,
     pub(super) lines: FeatureLines,
-    /// A cell of a grid: files do not agree on which way its faces run round, so they may be turned.
-    pub(super) is_cell: bool,
+    pub(super) winding: Winding,
+}
+
+/// Which way the faces of a block run round in its file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Winding {
+    /// Counter-clockwise seen from outside.
+    #[default]
+    Outward,
+    /// All counter-clockwise or all clockwise: the sign of the volume tells.
+    Alike,
+    /// Each either way, as in cells of grids, on which files do not agree.
+    Any,
 }
 
 /// The lines of vertices and of faces; empty where the file has none, or the block's own line is that of all.
@@ -39,8 +50,13 @@ pub(super) struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    /// Builds one block. `index` is its number in its file, `number` that in the scene.
-    pub(super) fn build(&self, raw: RawBlock, index: usize, number: usize) -> Result<SceneBlock, SceneError> {
+    /// Builds one block, or says what is wrong, and with which vertices. `index` is its number in its file, `number` that in the scene.
+    pub(super) fn build(
+        &self,
+        raw: RawBlock,
+        index: usize,
+        number: usize,
+    ) -> Result<SceneBlock, Box<(SceneError, Vec<Point>)>> {
         let default = BlockOptions::default();
         let planarity = self.options.planarity.as_ref().or(self.planarity).unwrap_or(&default.planarity);
         let options = BlockOptions { planarity: planarity.clone() };
@@ -49,10 +65,14 @@ impl Assembly<'_> {
             None => format!("block {number}"),
         };
         let name = raw.name.unwrap_or_else(|| format!("block_{number}"));
-        let merged = if raw.is_cell {
-            self.build_cell(&raw.vertices, raw.faces, &options)
-        } else {
-            Block::merged(raw.vertices.clone(), raw.faces, &options, self.merging)
+        let merged = match raw.winding {
+            Winding::Outward => Block::merged(raw.vertices.clone(), raw.faces, &options, self.merging),
+            Winding::Alike => self.build_either_way(&raw.vertices, raw.faces, &options),
+            Winding::Any => {
+                let mut faces = raw.faces;
+                orient_alike(&mut faces);
+                self.build_either_way(&raw.vertices, faces, &options)
+            }
         };
         match merged {
             Ok((block, merged)) => Ok(SceneBlock {
@@ -65,9 +85,10 @@ impl Assembly<'_> {
             }),
             Err(error) => {
                 let (line, vertices) = places(&error, &raw.vertices, &raw.lines);
-                let place = Box::new(BlockPlace { block: label, vertices });
+                let place = Box::new(BlockPlace { block: label, vertices, cavity_of: None });
                 let problem = SceneProblem::Block { error: self.scaled(error), place };
-                Err(SceneError { file: self.file.to_path_buf(), line: line.or(raw.line), problem })
+                let error = SceneError { file: self.file.to_path_buf(), line: line.or(raw.line), problem };
+                Err(Box::new((error, raw.vertices)))
             }
         }
     }
@@ -82,14 +103,13 @@ impl Assembly<'_> {
         }
     }
 
-    /// A cell whose faces run round alike, from outside or from inside.
-    fn build_cell(
+    /// A block whose faces run round alike, seen from outside or from inside.
+    fn build_either_way(
         &self,
         vertices: &[Point],
         mut faces: Vec<Vec<u32>>,
         options: &BlockOptions,
     ) -> Result<(Block, Merged), BlockError> {
-        orient_alike(&mut faces);
         match Block::merged(vertices.to_vec(), faces.clone(), options, self.merging) {
             Err(BlockError::NotPositiveVolume { volume }) if volume < 0.0 => {
                 faces.iter_mut().for_each(|face| face.reverse());

@@ -1,9 +1,10 @@
 //! Cells as voro++ prints them with `-c "%i %w %P %s %t"`: `id n (x,y,z)*n m (i,j,k,…)*m`, one block a line.
 //!
-//! Faces run clockwise seen from outside there, so they are turned round. No library reads this format.
+//! Faces run clockwise seen from outside there, so they are turned round; cells whose faces all run the other way are read too. No library
+//! reads this format.
 
 use crate::scene::error::SceneProblem;
-use crate::scene::raw::RawBlock;
+use crate::scene::raw::{RawBlock, Winding};
 use crate::scene::tokens::{Located, Token, Tokens, number, out_of, unexpected, whole};
 use crate::vector::Vec3;
 
@@ -48,7 +49,14 @@ fn read_line(text: &str, line: usize) -> Result<RawBlock, Located> {
         };
         return Err((Some(line), problem));
     }
-    Ok(RawBlock { name: Some(format!("cell_{id}")), vertices, faces, line: Some(line), ..RawBlock::default() })
+    Ok(RawBlock {
+        name: Some(format!("cell_{id}")),
+        vertices,
+        faces,
+        line: Some(line),
+        winding: Winding::Alike,
+        ..RawBlock::default()
+    })
 }
 
 /// The words between the parentheses and commas of one word.

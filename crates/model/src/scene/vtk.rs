@@ -1,18 +1,16 @@
-//! Legacy VTK files in ASCII with an unstructured grid of polyhedra (cell type 42), as UnBlocks-gen and ParaView write
-//! them: a cell is its face stream `faces, (n, vertices*n)*faces`. Both layouts of CELLS are read, that of versions up
+//! Legacy VTK files in ASCII with an unstructured grid, as UnBlocks-gen and ParaView write them. A polyhedron (cell type 42) is its face stream
+//! `faces, (n, vertices*n)*faces`, a cell of another kind its corners. Both layouts of CELLS are read, that of versions up
 //! to 4 (each stream behind its length) and that of version 5 (OFFSETS and CONNECTIVITY).
 //!
 //! `vtkio` gives no line numbers, knows neither face streams nor the version 5 layout, and would read what is thrown
 //! away here, so the file is read here. Attributes (CELL_DATA, POINT_DATA) end the part that is read.
 
 use crate::block::Point;
+use crate::scene::cells::{CellKind, KINDS, POLYHEDRON, known_kinds};
 use crate::scene::error::SceneProblem;
-use crate::scene::raw::{FeatureLines, RawBlock};
+use crate::scene::raw::{FeatureLines, RawBlock, Winding};
 use crate::scene::tokens::{Located, Token, Tokens, out_of, unexpected, whole};
 use std::collections::{BTreeSet, HashMap};
-
-/// VTK_POLYHEDRON.
-const POLYHEDRON: usize = 42;
 
 /// Whether the header of a file announces binary data.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
@@ -35,11 +33,11 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
     let kind = tokens.next("\"UNSTRUCTURED_GRID\"")?;
     if kind.text != "UNSTRUCTURED_GRID" {
         let what = format!("the dataset {}", crate::number_text::shown(kind.text));
-        let allowed = "only UNSTRUCTURED_GRID with polyhedra can".to_string();
+        let allowed = "only UNSTRUCTURED_GRID can".to_string();
         return Err((Some(kind.line), SceneProblem::Unsupported { what, allowed }));
     }
     let mut points: Option<Vec<(Point, usize)>> = None;
-    let mut cells: Option<Vec<FaceStream<'_>>> = None;
+    let mut cells: Option<Vec<CellEntries<'_>>> = None;
     let mut types: Option<Vec<Token<'_>>> = None;
     while let Some(keyword) = tokens.peek() {
         tokens.next("a section")?;
@@ -57,9 +55,20 @@ pub(super) fn read(text: &str) -> Result<Vec<RawBlock>, Located> {
     let points = points.ok_or_else(|| missing("POINTS"))?;
     let cells = cells.ok_or_else(|| missing("CELLS"))?;
     let types = types.ok_or_else(|| missing("CELL_TYPES"))?;
-    check_types(&types, cells.len())?;
-    let blocks = cells.iter().map(|cell| block(cell, &points)).collect::<Result<Vec<_>, _>>()?;
-    check_all_used(&cells, &points)?;
+    let kinds = cell_kinds(&types, cells.len())?;
+    let mut used = vec![false; points.len()];
+    let cells = cells.iter().zip(kinds).enumerate();
+    let blocks = cells.map(|(number, (cell, kind))| {
+        let (faces, lines) = match kind {
+            None => cell.polyhedron(points.len())?,
+            Some(kind) => (cell.faces_of(kind, number, points.len())?, Vec::new()),
+        };
+        faces.iter().flatten().for_each(|&point| used[point as usize] = true);
+        let winding = if kind.is_some() { Winding::Any } else { Winding::Outward };
+        Ok(RawBlock { winding, ..block(&faces, lines, cell.line, &points) })
+    });
+    let blocks = blocks.collect::<Result<Vec<_>, _>>()?;
+    check_all_used(&used, &points)?;
     Ok(blocks)
 }
 
@@ -82,8 +91,8 @@ fn header(text: &str) -> Result<&str, Located> {
     }
 }
 
-/// The face stream of one cell.
-struct FaceStream<'a> {
+/// The entries of one cell: a face stream, or corners.
+struct CellEntries<'a> {
     stream: Vec<Token<'a>>,
     line: usize,
 }
@@ -99,7 +108,7 @@ fn read_points(tokens: &mut Tokens<'_>) -> Result<Vec<(Point, usize)>, Located> 
     Ok(points)
 }
 
-fn read_cells<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<FaceStream<'a>>, Located> {
+fn read_cells<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<CellEntries<'a>>, Located> {
     let first = tokens.count("the number of cells")?;
     let size_token = tokens.next("the size of the cell list")?;
     let size = whole(size_token, "the size of the cell list")?;
@@ -116,7 +125,7 @@ fn read_cells<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<FaceStream<'a>>, Locate
             stream.push(tokens.next("an entry of a cell")?);
         }
         total += count + 1;
-        cells.push(FaceStream { stream, line: length.line });
+        cells.push(CellEntries { stream, line: length.line });
     }
     if total != size {
         let problem = SceneProblem::NotAllowed {
@@ -130,7 +139,7 @@ fn read_cells<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<FaceStream<'a>>, Locate
 }
 
 /// The layout of version 5: `offsets` is one more than the number of cells.
-fn read_offsets<'a>(tokens: &mut Tokens<'a>, offsets: usize, size: usize) -> Result<Vec<FaceStream<'a>>, Located> {
+fn read_offsets<'a>(tokens: &mut Tokens<'a>, offsets: usize, size: usize) -> Result<Vec<CellEntries<'a>>, Located> {
     tokens.keyword("OFFSETS")?;
     tokens.next("the type of the offsets")?;
     let mut ends: Vec<usize> = Vec::new();
@@ -165,7 +174,7 @@ fn read_offsets<'a>(tokens: &mut Tokens<'a>, offsets: usize, size: usize) -> Res
     }
     let cell = |pair: &[usize]| {
         let stream = entries[pair[0]..pair[1]].to_vec();
-        FaceStream { line: stream.first().map_or(line, |t| t.line), stream }
+        CellEntries { line: stream.first().map_or(line, |t| t.line), stream }
     };
     Ok(ends.windows(2).map(cell).collect())
 }
@@ -179,7 +188,8 @@ fn read_types<'a>(tokens: &mut Tokens<'a>) -> Result<Vec<Token<'a>>, Located> {
     Ok(types)
 }
 
-fn check_types(types: &[Token<'_>], cells: usize) -> Result<(), Located> {
+/// The kind of every cell; none for polyhedra.
+fn cell_kinds(types: &[Token<'_>], cells: usize) -> Result<Vec<Option<&'static CellKind>>, Located> {
     if types.len() != cells {
         let problem = SceneProblem::NotAllowed {
             what: "the number of cell types".to_string(),
@@ -188,70 +198,89 @@ fn check_types(types: &[Token<'_>], cells: usize) -> Result<(), Located> {
         };
         return Err((types.first().map(|t| t.line), problem));
     }
-    for (cell, token) in types.iter().enumerate() {
-        let kind = whole(*token, "a cell type")?;
-        if kind != POLYHEDRON {
-            let what = format!("cell {cell} of type {kind}");
-            let allowed = format!("only polyhedra, type {POLYHEDRON}, can");
-            return Err((Some(token.line), SceneProblem::Unsupported { what, allowed }));
+    let kind = |(cell, token): (usize, &Token<'_>)| {
+        let number = whole(*token, "a cell type")? as i64;
+        let known = KINDS.iter().find(|kind| kind.number == number);
+        if known.is_none() && number != POLYHEDRON {
+            let what = format!("cell {cell} of type {number}");
+            return Err((Some(token.line), SceneProblem::Unsupported { what, allowed: known_kinds() }));
         }
-    }
-    Ok(())
+        Ok(known)
+    };
+    types.iter().enumerate().map(kind).collect()
 }
 
-fn block(cell: &FaceStream<'_>, points: &[(Point, usize)]) -> Result<RawBlock, Located> {
-    let mut stream = cell.stream.iter();
-    let mut entry = |what: &str| {
-        let token = stream.next().ok_or_else(|| {
-            (
-                Some(cell.line),
-                SceneProblem::Truncated { expected: format!("{what} (the cell is shorter than its faces)") },
-            )
-        })?;
-        whole(*token, what).map(|value| (value, token.line))
-    };
-    let (face_count, _) = entry("the number of faces")?;
-    let mut faces: Vec<Vec<u32>> = Vec::new();
-    let mut face_lines = Vec::new();
-    for _ in 0..face_count {
-        let (length, line) = entry("the number of vertices of a face")?;
-        face_lines.push(line);
-        let mut face = Vec::new();
-        for _ in 0..length {
-            let (index, line) = entry("a point number of a face")?;
-            if index >= points.len() {
-                return Err((Some(line), out_of("a point number of a face", index, points.len())));
+impl CellEntries<'_> {
+    /// The faces of a polyhedron and their lines.
+    fn polyhedron(&self, points: usize) -> Result<(Vec<Vec<u32>>, Vec<usize>), Located> {
+        let mut stream = self.stream.iter();
+        let mut entry = |what: &str| {
+            let token = stream.next().ok_or_else(|| {
+                (
+                    Some(self.line),
+                    SceneProblem::Truncated { expected: format!("{what} (the cell is shorter than its faces)") },
+                )
+            })?;
+            whole(*token, what).map(|value| (value, token.line))
+        };
+        let (face_count, _) = entry("the number of faces")?;
+        let mut faces: Vec<Vec<u32>> = Vec::new();
+        let mut lines = Vec::new();
+        for _ in 0..face_count {
+            let (length, line) = entry("the number of vertices of a face")?;
+            lines.push(line);
+            let mut face = Vec::new();
+            for _ in 0..length {
+                let (index, line) = entry("a point number of a face")?;
+                if index >= points {
+                    return Err((Some(line), out_of("a point number of a face", index, points)));
+                }
+                face.push(index as u32);
             }
-            face.push(index as u32);
+            faces.push(face);
         }
-        faces.push(face);
+        match stream.next() {
+            Some(token) => Err(unexpected(*token, "the end of the cell behind its last face")),
+            None => Ok((faces, lines)),
+        }
     }
-    if let Some(token) = stream.next() {
-        return Err(unexpected(*token, "the end of the cell behind its last face"));
+
+    /// The faces of a cell that its corners make.
+    fn faces_of(&self, kind: &CellKind, number: usize, points: usize) -> Result<Vec<Vec<u32>>, Located> {
+        let corner = |token: &Token<'_>| {
+            let corner = whole(*token, "a point number of a cell")?;
+            if corner >= points {
+                return Err((Some(token.line), out_of("a point number of a cell", corner, points)));
+            }
+            Ok(corner as u32)
+        };
+        let corners = self.stream.iter().map(corner).collect::<Result<Vec<u32>, _>>()?;
+        if corners.len() != kind.corners {
+            let problem = SceneProblem::NotAllowed {
+                what: format!("the number of points of cell {number}, a {},", kind.name),
+                found: corners.len().to_string(),
+                allowed: kind.corners.to_string(),
+            };
+            return Err((Some(self.line), problem));
+        }
+        Ok(kind.faces_on(&corners))
     }
+}
+
+/// A cell with faces on points of the grid.
+fn block(faces: &[Vec<u32>], face_lines: Vec<usize>, line: usize, points: &[(Point, usize)]) -> RawBlock {
     let used: BTreeSet<u32> = faces.iter().flatten().copied().collect();
     let place: HashMap<u32, u32> = used.iter().zip(0..).map(|(&v, i)| (v, i)).collect();
-    Ok(RawBlock {
+    RawBlock {
         vertices: used.iter().map(|&v| points[v as usize].0.clone()).collect(),
         faces: faces.iter().map(|f| f.iter().map(|v| place[v]).collect()).collect(),
-        line: Some(cell.line),
+        line: Some(line),
         lines: FeatureLines { vertices: used.iter().map(|&v| points[v as usize].1).collect(), faces: face_lines },
         ..RawBlock::default()
-    })
+    }
 }
 
-fn check_all_used(cells: &[FaceStream<'_>], points: &[(Point, usize)]) -> Result<(), Located> {
-    let mut used = vec![false; points.len()];
-    for cell in cells {
-        let mut stream = cell.stream.iter().filter_map(|t| t.text.parse::<usize>().ok()).skip(1);
-        while let Some(length) = stream.next() {
-            for index in stream.by_ref().take(length) {
-                if let Some(used) = used.get_mut(index) {
-                    *used = true;
-                }
-            }
-        }
-    }
+fn check_all_used(used: &[bool], points: &[(Point, usize)]) -> Result<(), Located> {
     match used.iter().position(|&u| !u) {
         None => Ok(()),
         Some(point) => {

@@ -360,5 +360,11 @@ fn voro_runs_round_the_other_way() {
     };
     let text = |turn| cell(7, &CORNERS[..12], &FACES[..8], 0, turn) + &cell(4, &CORNERS[12..], &FACES[8..], 12, turn);
     assert_reads("cells", text(true).as_bytes(), SceneFormat::Voro, ["cell_7", "cell_4"], Held::F64);
-    assert!(read(text(false).as_bytes(), SceneFormat::Voro, &LoadOptions::default()).is_err());
+    // A cell that runs round counter-clockwise throughout is the same; one that runs round both ways is none.
+    assert_reads("turned", text(false).as_bytes(), SceneFormat::Voro, ["cell_7", "cell_4"], Held::F64);
+    let first = |text: String| text.lines().next().map(str::to_owned).expect("a line");
+    let [clockwise, other] = [true, false].map(|turn| first(text(turn)));
+    let last_face = |line: &str| line.rsplit(' ').next().map(str::to_owned).expect("a face");
+    let mixed = clockwise.replace(&last_face(&clockwise), &last_face(&other));
+    assert!(mixed != clockwise && read(mixed.as_bytes(), SceneFormat::Voro, &LoadOptions::default()).is_err());
 }

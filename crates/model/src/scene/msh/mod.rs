@@ -12,7 +12,7 @@ use crate::number_text::shown;
 use crate::scene::cells::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::scene::error::SceneProblem;
 use crate::scene::mesh::{Face, blocks, components, weld, weld_block};
-use crate::scene::raw::{FeatureLines, RawBlock};
+use crate::scene::raw::{FeatureLines, RawBlock, Winding};
 use crate::scene::tokens::Located;
 use input::{Input, InputPosition};
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -327,7 +327,7 @@ impl Mesh {
                 vertices: used.iter().filter_map(|&v| self.lines.get(v as usize).copied()).collect(),
                 faces: Vec::new(),
             },
-            is_cell: true,
+            winding: Winding::Any,
             ..RawBlock::default()
         });
     }

@@ -12,7 +12,7 @@ pub(super) use body::BodyProperties;
 
 use crate::block::Point;
 use crate::number::Number;
-use crate::scene::error::SceneProblem;
+use crate::scene::error::{SceneProblem, decimal};
 use crate::scene::raw::FeatureLines;
 use crate::scene::tokens::Located;
 use crate::simulation::Simulation;
@@ -158,7 +158,16 @@ impl Lines {
             Some(corner) => self.vector(corner, &format!("`{key}`"), "coordinate"),
             None => Err(self.unexpected(value, "`box` with `min` and `max`")),
         };
-        Ok(ShapeSource::Box { min: corner("min")?, max: corner("max")? })
+        let (min, max) = (corner("min")?, corner("max")?);
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let [low, high] = [&min, &max].map(|corner| corner.components()[axis]);
+            if low >= high {
+                let why = if low == high { "the box would be flat" } else { "min and max are exchanged" };
+                let allowed = format!("below {name} of `max`, {}: {why}", decimal(high));
+                return Err(self.not_allowed(value, &format!("{name} of `min` of `box`"), &decimal(low), allowed));
+            }
+        }
+        Ok(ShapeSource::Box { min, max })
     }
 
     fn vertices(&self, value: &Value<'_>) -> Result<Vec<Point>, Located> {

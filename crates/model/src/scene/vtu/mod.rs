@@ -8,9 +8,9 @@ mod data;
 
 use crate::block::Point;
 use crate::number::Number;
-use crate::scene::cells::{KINDS, POLYHEDRON};
+use crate::scene::cells::{KINDS, POLYHEDRON, known_kinds};
 use crate::scene::error::SceneProblem;
-use crate::scene::raw::RawBlock;
+use crate::scene::raw::{RawBlock, Winding};
 use crate::scene::tokens::{Located, out_of};
 use crate::vector::Vec3;
 use arrays::{Grid, Piece};
@@ -228,10 +228,8 @@ impl PieceReader<'_> {
     }
 
     fn unknown_kind(&self, cell: usize, kind: i64) -> Located {
-        let known: Vec<String> = KINDS.iter().map(|kind| format!("{} ({})", kind.number, kind.name)).collect();
         let what = format!("cell {cell}{} of type {kind}", self.place);
-        let allowed = format!("types that can are {} and {POLYHEDRON} (polyhedron)", known.join(", "));
-        (None, SceneProblem::Unsupported { what, allowed })
+        (None, SceneProblem::Unsupported { what, allowed: known_kinds() })
     }
 }
 
@@ -246,7 +244,7 @@ fn block(faces: &[Vec<u32>], points: &[Point]) -> RawBlock {
     RawBlock {
         vertices: used.iter().map(|&v| points[v as usize].clone()).collect(),
         faces: faces.iter().map(|face| face.iter().map(|v| place[v]).collect()).collect(),
-        is_cell: true,
+        winding: Winding::Any,
         ..RawBlock::default()
     }
 }
