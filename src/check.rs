@@ -126,7 +126,8 @@ impl ModelArgs {
             CheckError::Tolerance { .. } => anyhow::Error::new(error).context(place()),
         })?;
         if file.holds_f32() {
-            model.coarse = model.extents.coarse_f32();
+            let scale = file.options().scale.as_ref().map_or(1.0, Number::approximate);
+            model.coarse = model.extents.coarse_f32(scale);
             model.notes.extend(model.coarse.clone());
         }
         if file.options().scale.is_none() {
@@ -153,7 +154,9 @@ impl ModelArgs {
                 print_note(&match planarity_that_reads(file) {
                     Some(planarity) => format!("every face is within --planarity {planarity}"),
                     None => planarity_of_bent(file).map_or(cut.to_owned(), |planarity| {
-                        format!("{cut}, or read them as they are with --planarity {planarity}")
+                        format!(
+                            "{cut}, or take them for planar with --planarity {planarity}, which joins faces of all blocks that are as near to one plane"
+                        )
                     }),
                 });
             }

@@ -83,14 +83,18 @@ impl Extents {
     }
 
     /// What is wrong with coordinates of a file that has f32: two neighbouring ones are so far apart, where blocks are furthest from the origin, that they are more than a
-    /// thousandth of the shortest edge.
-    pub fn coarse_f32(&self) -> Option<String> {
+    /// thousandth of the shortest edge. `scale` is what the file's lengths were multiplied by.
+    pub fn coarse_f32(&self, scale: f64) -> Option<String> {
         // Of a number from 2ⁿ up to 2ⁿ⁺¹ it is 2ⁿ⁻²³.
-        let spacing = self.furthest.log2().floor().exp2() * f64::from(f32::EPSILON);
-        (spacing > COARSE * self.shortest).then(|| {
-            let [spacing, furthest, shortest] = [spacing, self.furthest, self.shortest].map(short);
+        let spacing = |at: f64| (at / scale).log2().floor().exp2() * f64::from(f32::EPSILON) * scale;
+        let is_coarse = |at: f64| spacing(at) > COARSE * self.shortest;
+        is_coarse(self.furthest).then(|| {
+            // From its own middle a block system is half as far away as it is long.
+            let longest = self.sides.into_iter().fold(0.0, f64::max);
+            let local = if is_coarse(longest / 2.0) { "" } else { "relative to a local origin, or " };
+            let [spacing, furthest, shortest] = [spacing(self.furthest), self.furthest, self.shortest].map(short);
             format!(
-                "the file has coordinates in f32, which at {furthest} m are {spacing} m apart, and the shortest edge is {shortest} m: export it relative to a local origin, or in double precision"
+                "the file has coordinates in f32, which at {furthest} m are {spacing} m apart, and the shortest edge is {shortest} m: export it {local}in double precision"
             )
         })
     }

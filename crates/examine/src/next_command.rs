@@ -28,22 +28,23 @@ pub(crate) fn next_command(
         let factor = found.model.extents.factor().unwrap_or("1");
         return format!("rockproof examine {file}{given} --scale {factor}{out} --overwrite");
     }
+    let single = found.model.precision == Precision::F32;
+    let (precision, engine) = if single { (" --precision f32", " --engine f32") } else { ("", "") };
     let shown = |path: &str| quoted_path(&dir.join(path));
     let lost = found.given.overlaps.worst_lost().filter(|_| answer == "not safe");
     if let Some(worst) = lost {
         return naming.show(worst.blocks);
     }
     if answer == NOT_DECIDED && (!found.given.may_see_all() || found.model.coarse.is_some()) {
-        return format!("rockproof check {file}{given}");
+        return format!("rockproof check {file}{given}{precision}");
     }
     if answer == "safe" || answer == NOT_DECIDED {
-        return format!("rockproof simulate {file}{given}{hold} --steps 100 --audit");
+        return format!("rockproof simulate {file}{given}{hold}{engine} --steps 100 --audit");
     }
     if answer == "safe with another set" {
         let (set, out) = (shown(SET), quoted(&format!("{}-set", dir.display())));
-        return format!("rockproof examine {file} --tolerances {set} --out {out}");
+        return format!("rockproof examine {file} --tolerances {set}{precision} --out {out}");
     }
-    let single = found.model.precision == Precision::F32;
     if single && is_too_far_for_f32(found) {
         return format!("rockproof examine {file}{given} --precision f64{out} --overwrite");
     }
@@ -53,7 +54,7 @@ pub(crate) fn next_command(
     match found.given.steps.made() {
         Some(made) if found.given.steps.find_fault() => {
             let steps = made.asked;
-            format!("rockproof simulate {file}{given}{hold} --steps {steps} --audit --contacts")
+            format!("rockproof simulate {file}{given}{hold}{engine} --steps {steps} --audit --contacts")
         }
         // The search is in f64 unless it is told otherwise.
         _ if single => format!("rockproof tune {file}{given} --engine stepper-f32"),

@@ -62,12 +62,8 @@ impl Verdict {
         let (answer, sentence) = match (is_safe, with_other) {
             (true, _) => {
                 let pairs = plural(found.given.pairs.len(), "neighbouring pair", "neighbouring pairs");
-                let untried = untried(&found.given);
-                let apart = apart(found);
-                (
-                    "safe",
-                    format!("safe: nothing is wrong with {pairs} under {} in {precision}{apart}{untried}", found.name),
-                )
+                let untried = untried(found);
+                ("safe", format!("safe: nothing is wrong with {pairs} under {} in {precision}{untried}", found.name))
             }
             (false, true) => (
                 "safe with another set",
@@ -119,18 +115,14 @@ pub fn mark(severity: Severity) -> char {
     }
 }
 
-/// What a model called safe was not tried in, so that nobody takes little for much.
-fn untried(given: &Assessment) -> &'static str {
-    if given.steps.made().is_none() { ", but no step was made" } else { "" }
-}
-
-/// How many blocks are in no pair, of which nothing was tried either.
-fn apart(found: &Examination) -> String {
+/// What a model called safe was not tried in, so that nobody takes little for much: blocks in no pair, and steps where none was made.
+fn untried(found: &Examination) -> String {
     let all = found.model.scene.blocks.len();
-    match found.given.overlaps.lonely(all).len() {
-        0 => String::new(),
-        lonely => format!(", but {lonely} of {all} blocks {} nothing", noun(lonely, "touches", "touch")),
-    }
+    let lonely = Some(found.given.overlaps.lonely(all).len()).filter(|lonely| *lonely > 0);
+    let lonely = lonely.map(|lonely| format!("{lonely} of {all} blocks {} nothing", noun(lonely, "touches", "touch")));
+    let steps = found.given.steps.made().is_none().then(|| "no step was made".to_owned());
+    let untried: Vec<String> = lonely.into_iter().chain(steps).collect();
+    if untried.is_empty() { String::new() } else { format!(", but {}", untried.join(" and ")) }
 }
 
 /// Why there was no contact to be wrong.

@@ -34,15 +34,14 @@ impl InvertedBlocks {
     }
 }
 
-/// Whether the first of some points lies within a block, and all of them within its box, neither on its sides. This chooses the words of a
-/// message alone, so f64 will do.
+/// Whether all of some points lie within a block, not on its sides. This chooses the words of a message alone, so f64 will do.
 fn encloses(block: &Block, points: &[Point]) -> bool {
     let bounds = block.bounds();
     let (min, max) = (bounds.min.components(), bounds.max.components());
     let is_in_box = |point: &Point| {
         point.components().into_iter().zip(min.into_iter().zip(max)).all(|(c, (min, max))| **min < *c && *c < **max)
     };
-    points.iter().all(is_in_box) && points.first().is_some_and(|point| turns_around(block, point).abs() > 0.5)
+    !points.is_empty() && points.iter().all(|point| is_in_box(point) && turns_around(block, point).abs() > 0.5)
 }
 
 /// How often a surface goes round a point, outward faces counted as positive: the solid angle of its faces, cut into triangles at a corner,

@@ -125,7 +125,7 @@ fn miscount_or(error: Located, text: &str, (points_line, announced): (usize, usi
         None if of_three != announced => {
             let (what, found) = ("the number of points".to_owned(), announced.to_string());
             let last = counts.iter().rev().find(|(_, count)| *count != 0).map_or(points_line, |(line, _)| *line);
-            let allowed = format!("{of_three}, as many as follow up to line {last}");
+            let allowed = format!("{of_three}, as many as follow up to line {last} if none is missing there");
             (Some(points_line), SceneProblem::NotAllowed { what, found, allowed })
         }
         _ => error,

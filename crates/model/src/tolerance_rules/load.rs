@@ -15,7 +15,7 @@ pub(super) struct Column {
     low: [f64; 3],
     high: [f64; 3],
     /// In N; `None` of a fixed block, which bears what is above it.
-    weight: Option<f64>,
+    pub(super) weight: Option<f64>,
     /// What loads press it down with (N), where they are counted; negative lifts it.
     pushed: f64,
     /// The softest normal stiffness it can meet times the corners of its smallest face (N/m).
@@ -82,10 +82,11 @@ pub(super) fn loaded_columns(set: &ToleranceSet, scene: &Scene) -> Option<Vec<Co
     let mut columns = columns(set, scene)?;
     let gravity = scene.simulation.gravity.components().map(Number::approximate);
     let pull = dot(gravity, gravity).sqrt();
+    let down = gravity.map(|part| part / pull);
     for load in &scene.simulation.loads {
         let later = load.table.iter().filter(|(time, _)| *time > Number::ZERO);
         let forces = later.map(|(_, force)| force.components().map(Number::approximate)).chain([load.at_start()]);
-        let down = forces.map(|force| dot(force, gravity) / pull).fold(f64::NEG_INFINITY, f64::max);
+        let down = forces.map(|force| dot(force, down)).fold(f64::NEG_INFINITY, f64::max);
         columns[load.block].pushed += down;
     }
     Some(columns)
