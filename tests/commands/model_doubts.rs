@@ -41,7 +41,8 @@ fn loads_that_contacts_cannot_bear_are_told_also_where_they_come_later() {
     let told = |load: &str| {
         place.file("load.toml", &format!("{CUBE}[[load]]\nblock = \"b\"\nat = [1.5, 1.5, 2]\n{load}\n"));
         let (code, checked, _) = place.run(&["check", "load.toml"]);
-        let said = checked.contains("warning: a block may sink deeper than penetration under those above it and loads");
+        let said = checked
+            .contains("warning: a block may sink deeper than penetration under the blocks above it or under loads");
         let (examined, out) = examined(&place, "load.toml", &[]);
         assert_eq!((code, examined, out.starts_with("not decided: ")), (0, i32::from(said), said), "{checked}{out}");
         checked

@@ -23,12 +23,12 @@ fn a_tower_that_sinks_through_itself_is_not_called_safe() {
     let place = Place::new();
     place.file("tower.toml", &tower(20, "110000"));
     let (code, out, err) = place.run(&["check", "tower.toml"]);
-    let warning = "warning: a block may sink deeper than penetration under those above it and loads";
+    let warning = "warning: a block may sink deeper than penetration under the blocks above it or under loads";
     assert!(code == 0 && out.contains(warning) && out.contains("by block 1\n"), "{out}{err}");
     let (code, out, err) = place.run(&["examine", "tower.toml", "--no-tune", "--out", "soft"]);
     assert!(code == 1 && out.starts_with("not decided: a block may sink deeper than penetration"), "{out}{err}");
     // 20 · 2600 · 9.81 N on four contacts.
-    assert!(out.contains("i load       a block may sink deeper than penetration under those above it and loads: found 1.159, allowed 0.0625 (block 1)"), "{out}");
+    assert!(out.contains("i load       a block may sink deeper than penetration under the blocks above it or under loads: found 1.159, allowed 0.0625 (block 1)"), "{out}");
     assert_eq!(document_of(&place, "soft")["given"]["warnings"][0]["about"], "load");
     // As stiff as it says.
     let needed = out.split("normal_stiffness ≥ ").nth(2).and_then(|rest| rest.split(' ').next()).expect("a remedy");

@@ -17,7 +17,7 @@ pub enum WarningKind {
     Open,
     /// `equal` is 1 or more.
     Equal,
-    /// A block at rest under those above it and loads would sink deeper than `penetration`.
+    /// A block at rest would sink under the blocks above it or under loads deeper than `penetration`.
     Load,
     /// A deformable block would be strained by more than a hundredth by what it bears.
     Strain,
@@ -41,7 +41,7 @@ impl WarningKind {
             WarningKind::Close => "open contacts may never close",
             WarningKind::Open => "closed contacts may be lost before they open",
             WarningKind::Equal => "contacts may keep their mode however far blocks move",
-            WarningKind::Load => "a block may sink deeper than penetration under those above it and loads",
+            WarningKind::Load => "a block may sink deeper than penetration under the blocks above it or under loads",
             WarningKind::Strain => "a block may be squashed by its weight or by loads",
         }
     }
