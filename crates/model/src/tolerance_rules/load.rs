@@ -288,38 +288,33 @@ mod tests {
         assert!((found.found - 0.3).abs() < 1e-12, "{found:?}");
     }
 
+    /// A load on a block at times: so much down, and something aside.
+    fn load_on(block: usize, forces: &[(i32, i32)]) -> PointLoad {
+        let at = Vec3::new(0, 0, 0).map(|&c: &i32| Number::from_integer(c));
+        let force = |&(time, down): &(i32, i32)| {
+            (Number::from_integer(time), Vec3::new(7, 0, -down).map(|&c| Number::from_integer(c)))
+        };
+        PointLoad { block, at, table: forces.iter().map(force).collect() }
+    }
+
     #[test]
     fn what_blocks_bear_has_the_loads_at_the_start_of_those_above() {
         let mut scene = stacked(&[[0, 0, 0], [0, 0, 1], [3, 0, 0]], 2);
-        let load = |block, forces: &[(i32, i32)]| {
-            let at = Vec3::new(0, 0, 0).map(|&c: &i32| Number::from_integer(c));
-            let force = |&(time, down): &(i32, i32)| {
-                (Number::from_integer(time), Vec3::new(7, 0, -down).map(|&c| Number::from_integer(c)))
-            };
-            PointLoad { block, at, table: forces.iter().map(force).collect() }
-        };
         let borne = |scene: &Scene| weights_borne(&set(), scene, &[1, 2, 3]);
         assert_eq!(borne(&scene), [50_000.0, 25_000.0, 25_000.0]);
         // A third of the way from 1 kN to 4 kN.
-        scene.simulation.loads = vec![load(2, &[(-1, 1000), (2, 4000)]), load(0, &[(0, 500)])];
+        scene.simulation.loads = vec![load_on(2, &[(-1, 1000), (2, 4000)]), load_on(0, &[(0, 500)])];
         assert_eq!(borne(&scene), [52_000.0, 25_000.0, 25_000.0]);
         // Later is not now, and more than it weighs lifts it off.
-        scene.simulation.loads = vec![load(2, &[(0, 0), (9, 8000)]), load(3, &[(5, 1000)])];
+        scene.simulation.loads = vec![load_on(2, &[(0, 0), (9, 8000)]), load_on(3, &[(5, 1000)])];
         assert_eq!(borne(&scene), [50_000.0, 25_000.0, 25_000.0]);
-        scene.simulation.loads = vec![load(2, &[(0, -30_000)])];
+        scene.simulation.loads = vec![load_on(2, &[(0, -30_000)])];
         assert_eq!(borne(&scene), [25_000.0, 25_000.0, 25_000.0]);
     }
 
     #[test]
     fn loads_count_with_the_most_that_they_press_down_at_any_time() {
         let mut scene = stacked(&[[0, 0, 0], [0, 0, 1], [3, 0, 0]], 2);
-        let load_on = |block, forces: &[(i32, i32)]| {
-            let at = Vec3::new(0, 0, 0).map(|&c: &i32| Number::from_integer(c));
-            let force = |&(time, down): &(i32, i32)| {
-                (Number::from_integer(time), Vec3::new(7, 0, -down).map(|&c| Number::from_integer(c)))
-            };
-            PointLoad { block, at, table: forces.iter().map(force).collect() }
-        };
         // Four contacts of 125,000 N/m: 50 kN sink 10 cm, and 12.5 cm are allowed.
         scene
             .simulation
