@@ -155,25 +155,9 @@ impl ModelFile {
         self.format
     }
 
-    /// Whether its coordinates are f32: those of a binary STL, and of a PLY with `float x`.
+    /// Whether its coordinates are f32 ([`SceneFormat::holds_f32`]).
     pub(crate) fn holds_f32(&self) -> bool {
-        match self.format {
-            SceneFormat::Stl => {
-                // As readers tell them apart: no text has a zero byte, and a binary file may begin with "solid" as well.
-                let begins = self.bytes.trim_ascii_start().get(..5);
-                let is_text =
-                    begins.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !self.bytes.contains(&0);
-                !is_text
-            }
-            SceneFormat::Ply => {
-                let lines = self.bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(<[u8]>::trim_ascii);
-                lines.take_while(|line| *line != b"end_header").any(|line| {
-                    let words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-                    matches!(words.collect::<Vec<_>>()[..], [b"property", b"float" | b"float32", b"x"])
-                })
-            }
-            _ => false,
-        }
+        self.format.holds_f32(&self.bytes)
     }
 
     /// The number of bytes.

@@ -30,6 +30,21 @@ pub enum SceneFormat {
 }
 
 impl SceneFormat {
+    /// Whether coordinates of a file of this format with these bytes are f32: those of a binary STL, and of a PLY with `float x`.
+    pub fn holds_f32(self, bytes: &[u8]) -> bool {
+        match self {
+            SceneFormat::Stl => !stl::is_text(without_mark(bytes)),
+            SceneFormat::Ply => {
+                let lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(<[u8]>::trim_ascii);
+                lines.take_while(|line| *line != b"end_header").any(|line| {
+                    let words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+                    matches!(words.collect::<Vec<_>>()[..], [b"property", b"float" | b"float32", b"x"])
+                })
+            }
+            _ => false,
+        }
+    }
+
     /// All formats, in the order in which messages name them.
     pub const ALL: [SceneFormat; 9] = [
         SceneFormat::Toml,
@@ -139,6 +154,31 @@ impl SceneFormat {
             Some((last, [])) => last.clone(),
             Some((last, others)) => format!("{} and {last}", others.join(", ")),
             None => String::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_f32_are_told_as_readers_tell_them() {
+        let binary = [&b"solid but binary"[..], &[0; 68]].concat();
+        let text = b"solid a\nendsolid a\n";
+        let ply = |kind: &str| {
+            format!("ply\nformat ascii 1.0\nelement vertex 0\nproperty {kind} x\nend_header\n").into_bytes()
+        };
+        for (format, bytes, holds) in [
+            (SceneFormat::Stl, binary, true),
+            (SceneFormat::Stl, text.to_vec(), false),
+            (SceneFormat::Stl, [&b"\xef\xbb\xbf"[..], text].concat(), false),
+            (SceneFormat::Ply, ply("float"), true),
+            (SceneFormat::Ply, ply("float32"), true),
+            (SceneFormat::Ply, ply("double"), false),
+            (SceneFormat::Obj, ply("float"), false),
+        ] {
+            assert_eq!(format.holds_f32(&bytes), holds, "{format:?}: {}", String::from_utf8_lossy(&bytes));
         }
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn read(bytes: &[u8], distance: &Number) -> Result<Vec<RawBlock>, Loc
 }
 
 /// Binary files may begin with "solid" as well, but not a text with a zero byte.
-fn is_text(bytes: &[u8]) -> bool {
+pub(super) fn is_text(bytes: &[u8]) -> bool {
     let is_solid = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     is_solid && !bytes.contains(&0)
 }
