@@ -1,12 +1,9 @@
 //! The f64 stiffness of a step and its factor: corrects approximate solutions, proves nothing.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-
-use faer::Side;
-use faer::linalg::solvers::Solve as _;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use std::cell::OnceCell;
+use rockproof_cholesky::{Graph, Pattern, Renumbered, elimination_order, factor, substitute};
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 /// A square of a block's unknowns; those it does not have are left out.
 pub(crate) type Square = [[f64; 12]; 12];
@@ -22,20 +19,71 @@ pub(crate) struct Layout {
     /// For each moving block the later ones that it meets, ascending, and the place of their matrix.
     below: Vec<Vec<(usize, usize)>>,
     squares: usize,
-    pattern: OnceCell<Option<Pattern>>,
+    /// Where each block is, about: bears on the order of elimination only.
+    at: Vec<[f64; 3]>,
+    pattern: OnceLock<Option<Arc<BlockPattern>>>,
 }
 
-/// The lower triangle by columns.
+/// Where the values of a factor stand.
 #[derive(Debug)]
-struct Pattern {
-    columns: Vec<u32>,
-    rows: Vec<u32>,
-    symbolic: SymbolicLlt<u32>,
+pub(crate) struct BlockPattern {
+    pattern: Pattern,
+    /// The block of each node, in the order of elimination.
+    blocks: Vec<usize>,
+    /// For each node the matrices of the later ones that it meets.
+    columns: Vec<Vec<Coupling>>,
+    /// The first unknown of each block.
+    starts: Vec<usize>,
+}
+
+/// The matrix of two blocks that meet.
+#[derive(Debug)]
+struct Coupling {
+    /// The node that is eliminated later.
+    later: usize,
+    /// The place of the matrix, whose rows are those of the block with the higher number.
+    place: usize,
+    /// Whether its rows are those of the node that is eliminated earlier.
+    is_transposed: bool,
+}
+
+impl BlockPattern {
+    /// `None` where it exceeds memory.
+    fn new(layout: &Layout) -> Option<BlockPattern> {
+        let unknowns: Vec<u8> = (0..layout.below.len()).map(|block| layout.size(block) as u8).collect();
+        let met = layout.below.iter().enumerate();
+        let pairs: Vec<[u32; 2]> =
+            met.flat_map(|(column, rows)| rows.iter().map(move |&(row, _)| [column as u32, row as u32])).collect();
+        let graph = Graph { unknowns: &unknowns, pairs: &pairs };
+        let order = elimination_order(graph, &layout.at)?;
+        let renumbered = Renumbered::new(graph, &order);
+        let mut columns: Vec<Vec<Coupling>> = order.iter().map(|_| Vec::new()).collect();
+        for (column, rows) in layout.below.iter().enumerate() {
+            for &(row, place) in rows {
+                let [column, row] = [column, row].map(|block| renumbered.places[block] as usize);
+                let (earlier, later) = (column.min(row), column.max(row));
+                columns[earlier].push(Coupling { later, place, is_transposed: row == earlier });
+            }
+        }
+        Some(BlockPattern {
+            pattern: Pattern::new(renumbered.graph()),
+            blocks: order.into_iter().map(|block| block as usize).collect(),
+            columns,
+            starts: layout.starts.clone(),
+        })
+    }
+
+    /// The unknowns of each block as they stand in the factor, and as they stand outside.
+    fn unknowns(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+        let of =
+            |(node, &block): (usize, &usize)| (self.pattern.unknowns(node), self.starts[block]..self.starts[block + 1]);
+        self.blocks.iter().enumerate().map(of)
+    }
 }
 
 impl Layout {
-    /// The layout of moving blocks with these sizes, of which these pairs meet.
-    pub(crate) fn new(sizes: &[usize], pairs: impl Iterator<Item = [usize; 2]>) -> Layout {
+    /// The layout of moving blocks with these sizes, of which these pairs meet, and which are at these places, about.
+    pub(crate) fn new(sizes: &[usize], pairs: impl Iterator<Item = [usize; 2]>, at: Vec<[f64; 3]>) -> Layout {
         let mut starts = vec![0];
         for size in sizes {
             starts.push(starts[starts.len() - 1] + size);
@@ -47,7 +95,7 @@ impl Layout {
         for (place, [column, row]) in pairs.iter().enumerate() {
             below[*column].push((*row, place));
         }
-        Layout { starts, below, squares: pairs.len(), pattern: OnceCell::new() }
+        Layout { starts, below, squares: pairs.len(), at, pattern: OnceLock::new() }
     }
 
     fn size(&self, block: usize) -> usize {
@@ -75,19 +123,8 @@ impl Layout {
         }
     }
 
-    fn pattern(&self) -> Option<&Pattern> {
-        let make = || {
-            let n = self.unknowns();
-            let (mut columns, mut rows) = (vec![0u32; n + 1], Vec::new());
-            self.entries(|row, column, _, _, _| {
-                rows.push(row as u32);
-                columns[column + 1] = rows.len() as u32;
-            });
-            let of = SymbolicSparseColMatRef::new_checked(n, n, &columns, None, &rows);
-            let symbolic = SymbolicLlt::try_new(of, Side::Lower).ok()?;
-            Some(Pattern { columns, rows, symbolic })
-        };
-        self.pattern.get_or_init(make).as_ref()
+    fn pattern(&self) -> Option<&Arc<BlockPattern>> {
+        self.pattern.get_or_init(|| BlockPattern::new(self).map(Arc::new)).as_ref()
     }
 }
 
@@ -135,20 +172,34 @@ impl<'l> Stiffness<'l> {
             return Cholesky::new(matrix).map(Approximate::Dense);
         }
         let pattern = layout.pattern()?;
-        // In the order of `entries`.
-        let mut values: Vec<f64> = Vec::with_capacity(pattern.rows.len());
-        for (column, below) in layout.below.iter().enumerate() {
-            let size = layout.size(column);
-            for c in 0..size {
-                values.extend(self.diagonal[column][c..size].iter().map(|line| line[c]));
-                for &(row, place) in below {
-                    values.extend(self.beside[place][..layout.size(row)].iter().map(|line| line[c]));
+        let mut values = vec![0.0; pattern.pattern.values()];
+        let all = vec![true; pattern.pattern.panel_count()];
+        factor(&pattern.pattern, &mut values, &all, &|panel, own: &mut [f64]| self.fill(pattern, panel, own)).ok()?;
+        Some(Approximate::Sparse { pattern: pattern.clone(), values })
+    }
+
+    /// Adds the stiffness to the values of a panel.
+    fn fill(&self, pattern: &BlockPattern, panel: usize, own: &mut [f64]) {
+        for node in pattern.pattern.nodes(panel) {
+            let block = pattern.blocks[node];
+            let size = self.layout.size(block);
+            if let Some((at, stride)) = pattern.pattern.part_of(panel, node, node) {
+                for c in 0..size {
+                    for (r, line) in self.diagonal[block].iter().enumerate().take(size).skip(c) {
+                        own[at + stride * c + r] += line[c];
+                    }
+                }
+            }
+            for coupling in &pattern.columns[node] {
+                let Some((at, stride)) = pattern.pattern.part_of(panel, coupling.later, node) else { continue };
+                let (square, rows) = (&self.beside[coupling.place], self.layout.size(pattern.blocks[coupling.later]));
+                for c in 0..size {
+                    for (r, value) in own[at + stride * c..][..rows].iter_mut().enumerate() {
+                        *value += if coupling.is_transposed { square[c][r] } else { square[r][c] };
+                    }
                 }
             }
         }
-        let of = SymbolicSparseColMatRef::new_checked(n, n, &pattern.columns, None, &pattern.rows);
-        let matrix = SparseColMatRef::new(of, &values);
-        Llt::try_new_with_symbolic(pattern.symbolic.clone(), matrix, Side::Lower).ok().map(Approximate::Sparse)
     }
 }
 
@@ -156,7 +207,7 @@ impl<'l> Stiffness<'l> {
 #[derive(Debug)]
 pub(crate) enum Approximate {
     Dense(Cholesky<f64, Dyn>),
-    Sparse(Llt<u32, f64>),
+    Sparse { pattern: Arc<BlockPattern>, values: Vec<f64> },
 }
 
 impl Approximate {
@@ -168,8 +219,15 @@ impl Approximate {
                 factor.solve_mut(&mut vector);
                 vector.as_slice().to_vec()
             }
-            Approximate::Sparse(factor) => {
-                factor.solve_in_place(faer::ColMut::from_slice_mut(&mut right).as_mat_mut());
+            Approximate::Sparse { pattern, values } => {
+                let mut solution = vec![0.0; right.len()];
+                for (inside, outside) in pattern.unknowns() {
+                    solution[inside].copy_from_slice(&right[outside]);
+                }
+                substitute(&pattern.pattern, values, &mut solution);
+                for (inside, outside) in pattern.unknowns() {
+                    right[outside].copy_from_slice(&solution[inside]);
+                }
                 right
             }
         }

@@ -57,7 +57,9 @@ impl<'a> PreparedStep<'a> {
         let rows: Vec<Option<usize>> =
             model.bodies.iter().map(|b| if b.is_fixed() { None } else { next.next() }).collect();
         let pairs = started.iter().filter_map(|s| Some([rows[s.blocks[0]]?, rows[s.blocks[1]]?]));
-        let layout = Layout::new(&sizes, pairs);
+        let moving = blocks.iter().zip(&rows).filter(|(_, row)| row.is_some());
+        let at = moving.map(|(block, _)| block.vertices()[0].components().map(|x| x.approximate())).collect();
+        let layout = Layout::new(&sizes, pairs, at);
         let fixed_stiffness = fixed_stiffness(model)?;
         Ok(PreparedStep {
             model,

@@ -4,7 +4,7 @@ use crate::dynamics::displacement::{BlockVector, generalized};
 use crate::dynamics::island::packed;
 use crate::dynamics::system::{Lists, NO_PLACE, Spring, System, springs};
 use crate::real::Real;
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 impl<R: Real + Send + Sync> System<'_, R> {
     /// Of each panel that is to be filled the closed contacts that bear on it, ascending.

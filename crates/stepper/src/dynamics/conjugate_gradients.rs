@@ -4,10 +4,9 @@
 //! below 10⁷; else there is none, or the iteration does not end, and a factor in f64 takes its place. The matrix is not kept: it is multiplied
 //! contact by contact. A factor of the solve before is often good enough for the next one.
 
-use crate::dynamics::pattern::Pattern;
 use crate::dynamics::products::Products;
 use crate::dynamics::solve::Solve;
-use crate::dynamics::substitution::{backward, forward};
+use rockproof_cholesky::{Pattern, backward, forward};
 
 /// The iteration ends when the residual, measured by the preconditioner M (rᵀM⁻¹r, a square), has come down to this share of the right side's.
 const RESIDUAL_SHARE: f64 = 1e-28;

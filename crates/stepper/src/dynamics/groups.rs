@@ -1,9 +1,8 @@
 //! Groups of blocks that stand together. Conjugate gradients without a factor take each as one body as well (`two_level.rs`), so that motions of
 //! many blocks are found in few products.
 
-use crate::dynamics::elimination_order::{Graph, Renumbered, elimination_order};
-use crate::dynamics::pattern::Pattern;
 use crate::dynamics::system::{Lists, NO_PLACE};
+use rockproof_cholesky::{Graph, Pattern, Renumbered, elimination_order};
 
 /// A group has so many blocks at most. Four or sixteen take longer (docs/performance_changes.md).
 const BLOCKS: usize = 8;

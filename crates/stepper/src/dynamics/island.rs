@@ -4,15 +4,15 @@ use crate::dynamics::conjugate_gradients::{ConjugateGradients, FactorInF32, Pati
 use crate::dynamics::contact::StepContact;
 use crate::dynamics::displacement::BlockVector;
 use crate::dynamics::layout::{Couplings, IslandLayout, Layouts};
-use crate::dynamics::pattern::Pattern;
 use crate::dynamics::products::Products;
 use crate::dynamics::report::IterationTimes;
-use crate::dynamics::solve::{Singular, Solve};
+use crate::dynamics::solve::Solve;
 use crate::dynamics::state::Mode;
 use crate::dynamics::system::System;
 use crate::dynamics::two_level::TwoLevel;
 use crate::real::Real;
 use crate::vector::Vector;
+use rockproof_cholesky::{Pattern, Singular};
 use rockproof_model::simulation::Solver;
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,9 +1,8 @@
 //! Where the unknowns of an island stand: found once, and kept while the same blocks touch one another.
 
-use crate::dynamics::elimination_order::{Graph, Renumbered, elimination_order};
 use crate::dynamics::groups::Groups;
-use crate::dynamics::pattern::Pattern;
 use crate::dynamics::solve::{CONJUGATE_GRADIENTS_FROM, DENSE};
+use rockproof_cholesky::{Graph, Pattern, Renumbered, elimination_order};
 use rockproof_model::simulation::Solver;
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -3,9 +3,8 @@
 //! [`Dynamics`] holds a scene and its state. A step finds the contacts ([`crate::contact`]), lets each continue one of the step
 //! before (`transfer.rs`), and tries: `attempt.rs` is the open–close iteration at one Δt, `step.rs` cuts Δt until an attempt is good, and
 //! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `step_rules.rs` every comparison. Of the system of equations
-//! `island.rs` finds what is solved together, `elimination_order.rs` an order of elimination, `pattern.rs` where values stand; `system.rs` which
-//! contact bears on which block, `assembly.rs` adds up the matrix, `factor.rs` makes its factor, `substitution.rs` solves by it, and `subtrees.rs` says how
-//! threads share either; `solve.rs` holds them, and what solves small systems.
+//! `island.rs` finds what is solved together, `layout.rs` where its unknowns stand, `system.rs` which contact bears on which block; `assembly.rs`
+//! adds up the matrix, `rockproof_cholesky` makes its factor and solves by it; `solve.rs` says so of each scalar, and holds what solves small systems.
 
 mod area;
 mod assembly;
@@ -18,8 +17,6 @@ mod contact;
 mod control;
 mod decided;
 pub mod displacement;
-pub mod elimination_order;
-mod factor;
 mod filtered_contacts;
 mod friction;
 mod groups;
@@ -30,7 +27,6 @@ mod material;
 pub mod moments;
 mod neighbour_list;
 mod neighbours;
-pub mod pattern;
 mod plane;
 mod prescribed;
 mod products;
@@ -41,8 +37,6 @@ pub mod state;
 mod step;
 pub mod step_rules;
 mod step_totals;
-mod substitution;
-mod subtrees;
 mod system;
 mod transfer;
 mod two_level;

@@ -9,7 +9,7 @@ use crate::dynamics::island::{PackedBlockMatrix, packed};
 use crate::dynamics::system::{CONTACTS_AT_ONCE, Lists, NO_PLACE, Part, System};
 use crate::real::Real;
 use crate::vector::Vector;
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 /// So many numbers are multiplied at once: three components of a vector, and a fourth that means nothing.

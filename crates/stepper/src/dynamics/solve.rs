@@ -1,30 +1,18 @@
 //! Solving `K d = F`: dense Cholesky for small systems, by panels for large ones.
 
 use crate::dynamics::compiled::CompiledSteps;
-use crate::dynamics::factor::factor;
-use crate::dynamics::pattern::Pattern;
-use crate::dynamics::substitution::substitute;
 use crate::real::Real;
 use crate::wide::Wide;
+use rockproof_cholesky::{Fill, Pattern, Singular, factor, substitute};
 
 /// Systems of up to this many unknowns are solved as dense ones, by sums in an order of our own: the same bits on every machine.
-/// Larger ones take the fastest kernels that the processor has, whose last bits may differ from machine to machine.
+/// Larger ones take fused products where the processor has them (`rockproof_cholesky`), so last bits may differ between processors with and without.
 pub const DENSE: usize = 96;
 
 /// Systems of which the factor takes so many multiplications or more for each of its values, about, are very large: see
 /// [`Solve::USES_CONJUGATE_GRADIENTS`]. A factor in f32 takes about half of the multiplications' time away, and brings two and a half substitutions more, which take time
 /// by the values.
 pub const CONJUGATE_GRADIENTS_FROM: u64 = 500;
-
-/// A pivot that is not positive and finite: the system is singular, or became so by rounding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Singular {
-    /// The unknown.
-    pub unknown: usize,
-}
-
-/// Adds the values of a matrix in a panel, given by number, to the panel's own.
-pub type Fill<'f, R> = dyn Fn(usize, &mut [R]) + Sync + 'f;
 
 /// A scalar in which systems can be solved.
 pub trait Solve: CompiledSteps + Real + Send + Sync {

@@ -8,12 +8,12 @@ use crate::dynamics::contact::StepContact;
 use crate::dynamics::displacement::{add, generalized};
 use crate::dynamics::island::BlockSystem;
 use crate::dynamics::layout::IslandLayout;
-use crate::dynamics::pattern::Pattern;
 use crate::dynamics::state::Mode;
 use crate::real::Real;
 use crate::vector::Vector;
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
+use rockproof_cholesky::Pattern;
 use std::ops::Range;
 
 /// What the system of an island is made of.

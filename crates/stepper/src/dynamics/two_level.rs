@@ -16,7 +16,7 @@ use crate::dynamics::solve::Solve;
 use crate::dynamics::system::{Lists, NO_PLACE, Part, System};
 use crate::real::Real;
 use crate::vector::Vector;
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::ops::Range;
 

@@ -1,10 +1,9 @@
 //! The sparse solution against the dense one.
 
 use crate::support::{cuboid, floor, near, run, scene};
+use rockproof_cholesky::{Graph, Pattern, Singular, elimination_order};
 use rockproof_model::Motion;
-use rockproof_stepper::dynamics::elimination_order::{Graph, elimination_order};
-use rockproof_stepper::dynamics::pattern::Pattern;
-use rockproof_stepper::dynamics::solve::{DENSE, Singular, Solve, dense};
+use rockproof_stepper::dynamics::solve::{DENSE, Solve, dense};
 use rockproof_stepper::{Real, Wide};
 
 /// A generator of whole numbers that needs no library: Knuth's multiplier.

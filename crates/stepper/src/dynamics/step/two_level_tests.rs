@@ -4,12 +4,11 @@ use super::bricks::bricks;
 use super::*;
 use crate::dynamics::conjugate_gradients::{ConjugateGradients, Patience};
 use crate::dynamics::displacement::displacement;
-use crate::dynamics::elimination_order::{Graph, Renumbered, elimination_order};
 use crate::dynamics::island::{BySingle, SingleFactor, islands};
-use crate::dynamics::pattern::Pattern;
 use crate::dynamics::products::Products;
 use crate::dynamics::system::System;
 use crate::dynamics::two_level::TwoLevel;
+use rockproof_cholesky::{Graph, Pattern, Renumbered, elimination_order};
 use rockproof_model::Motion;
 use rockproof_model::simulation::Solver;
 

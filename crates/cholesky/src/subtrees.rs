@@ -3,7 +3,7 @@
 //! Where the work is cut depends on the matrix alone, and what is computed of a panel does not depend on where the cuts are: the same bits on
 //! any number of threads.
 
-use crate::dynamics::pattern::Pattern;
+use crate::pattern::Pattern;
 use std::ops::Range;
 
 /// The tree of elimination, and what the work on each panel costs.

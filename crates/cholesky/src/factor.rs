@@ -4,19 +4,23 @@
 //! parts, so threads can share the work. What is computed of a panel does not depend on who computes it, nor on how many there are: the same bits on
 //! any number of threads.
 
-use crate::dynamics::pattern::{Panel, PanelRow, Pattern};
-use crate::dynamics::solve::{Fill, Singular};
-use crate::dynamics::subtrees::{Division, Subtrees};
-use crate::real::Real;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::traits::RealField;
-use faer::traits::pulp::{Arch, Simd, WithSimd};
-use faer::{Accum, MatMut, MatRef, Par};
+use crate::kernels::{Columns, Packed, RowProducts, divide_rows, factor_square};
+use crate::pattern::{Panel, PanelRow, Pattern};
+use crate::subtrees::{Division, Subtrees};
+use num_traits::Float;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// A pivot that is not positive and finite: the system is singular, or became so by rounding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Singular {
+    /// The unknown.
+    pub unknown: usize,
+}
+
+/// Adds the values of a matrix in a panel, given by number, to the panel's own.
+pub type Fill<'f, R> = dyn Fn(usize, &mut [R]) + Sync + 'f;
 
 /// Subtrees of less work than this, in multiplications, are not worth another thread.
 const WORTH_A_THREAD: u64 = 1_000_000;
@@ -29,7 +33,7 @@ const ROWS: usize = 96;
 
 /// Cholesky's method, left-looking: each panel that is marked is filled, gathers what the earlier ones take from it, then is factored as
 /// a dense one.
-pub(super) fn factor<R: Real + RealField + Send + Sync>(
+pub fn factor<R: Float + Send + Sync>(
     pattern: &Pattern,
     values: &mut [R],
     marked: &[bool],
@@ -58,7 +62,7 @@ struct Values<'v, R> {
     base: usize,
 }
 
-impl<R: Real + RealField + Send + Sync> Work<'_, R> {
+impl<R: Float + Send + Sync> Work<'_, R> {
     /// Does panels that are complete subtrees. Tells the first that failed.
     fn forest(&self, all: Range<usize>, values: Values<'_, R>) -> Option<Singular> {
         let mut left = all;
@@ -121,7 +125,7 @@ impl<R: Real + RealField + Send + Sync> Work<'_, R> {
         let panel = &self.pattern.panels()[number];
         let (earlier, rest) = numbers.split_at_mut(panel.values - base);
         let own = &mut rest[..panel.height * panel.width];
-        own.fill(R::ZERO);
+        own.fill(R::zero());
         (self.fill)(number, own);
         let parts = parts(self.pattern, panel);
         let take = |columns: &mut [R], part: &Range<usize>, room: &mut Room<R>| {
@@ -143,34 +147,27 @@ impl<R: Real + RealField + Send + Sync> Work<'_, R> {
         } else {
             take(own, &(0..panel.width), room);
         }
-        let whole = MatMut::from_column_major_slice_mut(own, panel.height, panel.width);
-        let (mut square, below) = whole.split_at_row_mut(panel.width);
-        let needs = cholesky_in_place_scratch::<R>(panel.width, Par::Seq, Default::default());
-        let mut buffer = MemBuffer::try_new(needs).map_err(|_| Singular { unknown: panel.begin })?;
-        let (stack, spec) = (MemStack::new(&mut buffer), Default::default());
-        cholesky_in_place(square.as_mut(), Default::default(), Par::Seq, stack, spec)
-            .map_err(|LltError::NonPositivePivot { index }| Singular { unknown: panel.begin + index })?;
-        divide_below(square.as_ref(), below, shared);
-        Ok(())
+        self.factor_panel(panel, own, shared).map_err(|unknown| Singular { unknown: panel.begin + unknown })
     }
-}
 
-/// Divides the rows below a panel's square by its factor, some rows at a time. They are cut alike whoever divides them, since where a kernel
-/// begins may bear on last bits.
-fn divide_below<R: Real + RealField + Send + Sync>(square: MatRef<'_, R>, below: MatMut<'_, R>, shared: bool) {
-    let mut rest = below;
-    let mut all = Vec::with_capacity(rest.nrows().div_ceil(ROWS));
-    while rest.nrows() > 0 {
-        let count = ROWS.min(rest.nrows());
-        let (rows, others) = rest.split_at_row_mut(count);
-        all.push(rows);
-        rest = others;
-    }
-    let divide = |rows: MatMut<'_, R>| solve_lower_triangular_in_place(square, rows.transpose_mut(), Par::Seq);
-    if shared {
-        all.into_par_iter().for_each(divide);
-    } else {
-        all.into_iter().for_each(divide);
+    /// Factors the square of a panel and divides the rows below by the factor, some rows at a time. Tells the first pivot that is not positive.
+    fn factor_panel(&self, panel: &Panel, own: &mut [R], shared: bool) -> Result<(), usize> {
+        let count = (panel.height - panel.width).div_ceil(ROWS);
+        let mut square = Vec::with_capacity(panel.width);
+        let mut below: Vec<Vec<&mut [R]>> = (0..count).map(|_| Vec::with_capacity(panel.width)).collect();
+        for column in own.chunks_exact_mut(panel.height) {
+            let (inner, outer) = column.split_at_mut(panel.width);
+            square.push(inner);
+            below.iter_mut().zip(outer.chunks_mut(ROWS)).for_each(|(rows, part)| rows.push(part));
+        }
+        factor_square(&mut square)?;
+        let square: Vec<&[R]> = square.iter().map(|column| &**column).collect();
+        if shared {
+            below.par_iter_mut().for_each(|rows| divide_rows(&square, rows));
+        } else {
+            below.iter_mut().for_each(|rows| divide_rows(&square, rows));
+        }
+        Ok(())
     }
 }
 
@@ -197,6 +194,7 @@ fn parts(pattern: &Pattern, panel: &Panel) -> Vec<Range<usize>> {
 /// Memory for products, used again and again.
 struct Room<R> {
     products: Vec<R>,
+    packed: Packed<R>,
     columns: Vec<Run>,
     rows: Vec<Run>,
     /// Those of the rows of which the products are worked out.
@@ -205,7 +203,13 @@ struct Room<R> {
 
 impl<R> Default for Room<R> {
     fn default() -> Room<R> {
-        Room { products: Vec::new(), columns: Vec::new(), rows: Vec::new(), part: Vec::new() }
+        Room {
+            products: Vec::new(),
+            packed: Packed::default(),
+            columns: Vec::new(),
+            rows: Vec::new(),
+            part: Vec::new(),
+        }
     }
 }
 
@@ -220,7 +224,7 @@ struct Taking<'t, R> {
     base: usize,
 }
 
-impl<R: Real + RealField> Taking<'_, R> {
+impl<R: Float> Taking<'_, R> {
     fn take(&self, columns: &mut [R], room: &mut Room<R>) {
         for &update in self.pattern.updates(self.panel) {
             let from = &self.pattern.panels()[update.from as usize];
@@ -247,7 +251,7 @@ impl<R: Real + RealField> Taking<'_, R> {
         let first = inside[0].row as usize;
         let end = beside.first().or(after.first()).map_or(from.height, |below| below.row as usize);
         let (height, width) = (from.height - first, end - first);
-        let Room { products, columns: across, rows, part } = room;
+        let Room { products, packed, columns: across, rows, part } = room;
         across.clear();
         rows.clear();
         let column = |below: &PanelRow| pattern.unknowns(below.node as usize).start - panel.begin;
@@ -266,19 +270,25 @@ impl<R: Real + RealField> Taking<'_, R> {
         }
         let values = from.values - self.base;
         let values = &self.earlier[values..values + from.height * from.width];
-        let factor = MatRef::from_column_major_slice(values, from.height, from.width);
+        let factor = Columns { values, height: from.height };
+        packed.pack_across(factor, first..first + width);
         let mut begin = 0;
         while begin < height {
             let end = height.min(begin + ROWS);
             // What lies above the diagonal means nothing.
             let (count, width) = (end - begin, width.min(end));
             if products.len() < count * width {
-                products.resize(count * width, R::ZERO);
+                products.resize(count * width, R::zero());
             }
             let products = &mut products[..count * width];
-            let into = MatMut::from_column_major_slice_mut(&mut *products, count, width);
-            let across_rows = factor.subrows(first, width).transpose();
-            matmul(into, Accum::Replace, factor.subrows(first + begin, count), across_rows, R::from_f64(1.0), Par::Seq);
+            RowProducts {
+                columns: factor,
+                rows: first + begin..first + end,
+                across: first..first + width,
+                into: &mut *products,
+                packed,
+            }
+            .calculate();
             part.clear();
             part.extend(rows.iter().filter_map(|run| run.within(begin, end)));
             Arch::new().dispatch(Subtracting {
@@ -334,7 +344,7 @@ struct Subtracting<'s, R> {
     rows: &'s [Run],
 }
 
-impl<R: Real> WithSimd for Subtracting<'_, R> {
+impl<R: Float> WithSimd for Subtracting<'_, R> {
     type Output = ();
 
     #[inline(always)]

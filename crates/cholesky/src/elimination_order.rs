@@ -1,8 +1,6 @@
 //! In which order the blocks of an island are eliminated, so that its factor fills little.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
+use feral_amd::{CscPattern, amd_order};
 
 /// Blocks that are tied together: a graph whose nodes have unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -67,16 +65,16 @@ impl Graph<'_> {
 }
 
 /// A graph whose nodes are numbered anew.
-pub(super) struct Renumbered {
-    pub(super) unknowns: Vec<u8>,
-    pub(super) pairs: Vec<[u32; 2]>,
+pub struct Renumbered {
+    unknowns: Vec<u8>,
+    pairs: Vec<[u32; 2]>,
     /// The new number of each node.
-    pub(super) places: Vec<u32>,
+    pub places: Vec<u32>,
 }
 
 impl Renumbered {
     /// By an order of elimination.
-    pub(super) fn new(graph: Graph<'_>, order: &[u32]) -> Renumbered {
+    pub fn new(graph: Graph<'_>, order: &[u32]) -> Renumbered {
         let mut places = vec![0; order.len()];
         for (place, &node) in (0..).zip(order) {
             places[node as usize] = place;
@@ -90,7 +88,8 @@ impl Renumbered {
         Renumbered { unknowns: order.iter().map(|&node| graph.unknowns[node as usize]).collect(), pairs, places }
     }
 
-    pub(super) fn graph(&self) -> Graph<'_> {
+    /// The graph with its new numbers.
+    pub fn graph(&self) -> Graph<'_> {
         Graph { unknowns: &self.unknowns, pairs: &self.pairs }
     }
 }
@@ -112,13 +111,17 @@ pub fn elimination_order(graph: Graph<'_>, at: &[[f64; 3]]) -> Option<Vec<u32>> 
 
 /// Approximate minimum degree (Amestoy, Davis and Duff 1996).
 fn least_degree(graph: Graph<'_>) -> Option<Vec<u32>> {
-    let (columns, rows) = graph.lists();
     let size = graph.unknowns.len();
-    let pattern = SymbolicSparseColMatRef::new_checked(size, size, &columns, None, &rows);
-    let mut buffer = MemBuffer::try_new(amd::order_scratch::<u32>(size, rows.len())).ok()?;
-    let (mut order, mut inverse) = (vec![0u32; size], vec![0u32; size]);
-    amd::order(&mut order, &mut inverse, pattern, amd::Control::default(), MemStack::new(&mut buffer)).ok()?;
-    Some(order)
+    let mut both: Vec<[u32; 2]> = graph.pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
+    both.sort_unstable();
+    let mut begins = vec![0; size + 1];
+    both.iter().for_each(|&[node, _]| begins[node as usize + 1] += 1);
+    for k in 1..begins.len() {
+        begins[k] += begins[k - 1];
+    }
+    let neighbours: Vec<i32> = both.iter().map(|&[_, neighbour]| neighbour as i32).collect();
+    let order = amd_order(&CscPattern::new(size, &begins, &neighbours)?).ok()?;
+    Some(order.into_iter().map(|node| node as u32).collect())
 }
 
 /// Nested dissection (George 1973) by place: the nodes are halved across the axis that cuts least; those of one half that are tied to the

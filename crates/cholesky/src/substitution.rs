@@ -7,29 +7,29 @@
 #[cfg(test)]
 mod tests;
 
-use crate::dynamics::pattern::{Panel, Pattern};
-use crate::dynamics::subtrees::{Division, Subtrees};
-use crate::real::Real;
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use crate::pattern::{Panel, Pattern};
+use crate::subtrees::{Division, Subtrees};
+use num_traits::Float;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Subtrees of fewer values than this are not worth another thread.
 const WORTH_A_THREAD: u64 = 100_000;
 
 /// Solves in place by the values of a factor.
-pub(super) fn substitute<R: Real + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
+pub fn substitute<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
     let substitution = Substitution::new(pattern, values, WORTH_A_THREAD);
     substitution.forth(solution);
     substitution.back(solution);
 }
 
 /// The first half of it: `L⁻¹` times the right side.
-pub(super) fn forward<R: Real + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
+pub fn forward<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
     Substitution::new(pattern, values, WORTH_A_THREAD).forth(solution);
 }
 
 /// The second half.
-pub(super) fn backward<R: Real + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
+pub fn backward<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
     Substitution::new(pattern, values, WORTH_A_THREAD).back(solution);
 }
 
@@ -52,7 +52,7 @@ impl<R> Numbers<'_, R> {
     }
 }
 
-impl<'s, R: Real + Send + Sync> Substitution<'s, R> {
+impl<'s, R: Float + Send + Sync> Substitution<'s, R> {
     /// Subtrees of fewer values than `worth` are not worth another thread.
     fn new(pattern: &'s Pattern, values: &'s [R], worth: u64) -> Substitution<'s, R> {
         let panels = pattern.panels();
@@ -61,12 +61,12 @@ impl<'s, R: Real + Send + Sync> Substitution<'s, R> {
     }
 
     fn forth(&self, solution: &mut [R]) {
-        let mut below = vec![R::ZERO; self.pattern.rows_below()];
+        let mut below = vec![R::zero(); self.pattern.rows_below()];
         self.forward(self.subtrees.all(), Numbers { own: solution, below: &mut below });
     }
 
     fn back(&self, solution: &mut [R]) {
-        let mut below = vec![R::ZERO; self.pattern.rows_below()];
+        let mut below = vec![R::zero(); self.pattern.rows_below()];
         self.backward(self.subtrees.all(), Numbers { own: solution, below: &mut below });
     }
 
@@ -151,7 +151,7 @@ struct Panels<'p, 's, 'n, R> {
 /// Forth through panels, by the widest instructions that the processor has. They change no bit: no sum is cut in other ways.
 struct Forth<'p, 's, 'n, R>(Panels<'p, 's, 'n, R>);
 
-impl<R: Real> WithSimd for Forth<'_, '_, '_, R> {
+impl<R: Float> WithSimd for Forth<'_, '_, '_, R> {
     type Output = ();
 
     #[inline(always)]
@@ -176,7 +176,7 @@ impl<R: Real> WithSimd for Forth<'_, '_, '_, R> {
             let below = &mut rest[..panel.height - panel.width];
             for (group, columns) in values[pattern.range(k)].chunks(COLUMNS * panel.height).enumerate() {
                 let begin = COLUMNS * group;
-                let mut known = [R::ZERO; COLUMNS];
+                let mut known = [R::zero(); COLUMNS];
                 for (c, column) in columns.chunks_exact(panel.height).enumerate() {
                     let here = begin + c;
                     known[c] = own[here] / column[here];
@@ -194,7 +194,7 @@ impl<R: Real> WithSimd for Forth<'_, '_, '_, R> {
 /// Back through panels, from the last, as [`Forth`].
 struct Back<'p, 's, 'n, R>(Panels<'p, 's, 'n, R>);
 
-impl<R: Real> WithSimd for Back<'_, '_, '_, R> {
+impl<R: Float> WithSimd for Back<'_, '_, '_, R> {
     type Output = ();
 
     #[inline(always)]
@@ -241,7 +241,7 @@ fn below_of<'c, R>(columns: &'c [R], panel: &Panel) -> Option<[&'c [R]; COLUMNS]
 
 /// Adds what lies below a panel's own rows in some columns, each times its factor.
 #[inline(always)]
-fn add_columns<R: Real>(sums: &mut [R], columns: &[R], panel: &Panel, factors: &[R; COLUMNS]) {
+fn add_columns<R: Float>(sums: &mut [R], columns: &[R], panel: &Panel, factors: &[R; COLUMNS]) {
     if let Some([a, b, c, d]) = below_of(columns, panel) {
         let products = a.iter().zip(b).zip(c.iter().zip(d));
         for (sum, ((&a, &b), (&c, &d))) in sums.iter_mut().zip(products) {
@@ -261,15 +261,15 @@ const STRANDS: usize = 8;
 
 /// Of some columns what lies below a panel's own rows times the numbers of these rows, each added up as by [`dot`].
 #[inline(always)]
-fn dots<R: Real>(columns: &[R], panel: &Panel, below: &[R]) -> [R; COLUMNS] {
+fn dots<R: Float>(columns: &[R], panel: &Panel, below: &[R]) -> [R; COLUMNS] {
     let Some(columns) = below_of(columns, panel) else {
-        let mut sums = [R::ZERO; COLUMNS];
+        let mut sums = [R::zero(); COLUMNS];
         for (sum, column) in sums.iter_mut().zip(columns.chunks_exact(panel.height)) {
             *sum = dot(&column[panel.width..], below);
         }
         return sums;
     };
-    let mut strands = [[R::ZERO; STRANDS]; COLUMNS];
+    let mut strands = [[R::zero(); STRANDS]; COLUMNS];
     let (parts, others) = below.as_chunks::<STRANDS>();
     let [a, b, c, d] = columns.map(|column| column.as_chunks::<STRANDS>());
     for (x, ((a, b), (c, d))) in parts.iter().zip(a.0.iter().zip(b.0).zip(c.0.iter().zip(d.0))) {
@@ -279,9 +279,9 @@ fn dots<R: Real>(columns: &[R], panel: &Panel, below: &[R]) -> [R; COLUMNS] {
             }
         }
     }
-    let mut sums = [R::ZERO; COLUMNS];
+    let mut sums = [R::zero(); COLUMNS];
     for ((sum, strands), rest) in sums.iter_mut().zip(strands).zip([a.1, b.1, c.1, d.1]) {
-        let rest = rest.iter().zip(others).fold(R::ZERO, |sum, (&l, &x)| sum + l * x);
+        let rest = rest.iter().zip(others).fold(R::zero(), |sum, (&l, &x)| sum + l * x);
         *sum = strands.into_iter().fold(rest, |sum, strand| sum + strand);
     }
     sums
@@ -289,10 +289,10 @@ fn dots<R: Real>(columns: &[R], panel: &Panel, below: &[R]) -> [R; COLUMNS] {
 
 /// A scalar product.
 #[inline(always)]
-fn dot<R: Real>(a: &[R], b: &[R]) -> R {
-    let mut strands = [R::ZERO; STRANDS];
+fn dot<R: Float>(a: &[R], b: &[R]) -> R {
+    let mut strands = [R::zero(); STRANDS];
     let ((a, rest), (b, other)) = (a.as_chunks::<STRANDS>(), b.as_chunks::<STRANDS>());
-    let rest = rest.iter().zip(other).fold(R::ZERO, |sum, (&a, &b)| sum + a * b);
+    let rest = rest.iter().zip(other).fold(R::zero(), |sum, (&a, &b)| sum + a * b);
     for (a, b) in a.iter().zip(b) {
         for (strand, (&a, &b)) in strands.iter_mut().zip(a.iter().zip(b)) {
             *strand = *strand + a * b;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::dynamics::elimination_order::{Graph, elimination_order};
+use crate::elimination_order::{Graph, elimination_order};
 
 /// The pattern of a square grid of nodes with 5 unknowns each, tied to their neighbours at sides; and far from it a star and loose nodes.
 fn pattern(side: u32) -> Pattern {

@@ -1,6 +1,6 @@
 //! Where the values of an island's matrix and of its factor stand.
 
-use crate::dynamics::elimination_order::Graph;
+use crate::elimination_order::Graph;
 
 /// Where the values of a symmetric matrix stand, and then those of its factor. Nodes are blocks, numbered as they are eliminated. Nodes
 /// whose columns fill alike share a *panel*: the columns of their unknowns, each of the same rows, namely those of the panel's own nodes
@@ -179,7 +179,7 @@ impl Pattern {
     }
 
     /// The multiplications that the factor takes, about; twice as many as there are at least.
-    pub(super) fn work(&self) -> u64 {
+    pub fn work(&self) -> u64 {
         self.panels.iter().map(|panel| (panel.width * panel.height * panel.height) as u64).sum()
     }
 
@@ -212,7 +212,7 @@ impl Pattern {
 
     /// Where the rows of a node in the columns of another, which is one of the panel's own, begin among the panel's values, and how far it
     /// is from one column to the next.
-    pub(super) fn part_of(&self, panel: usize, row: usize, column: usize) -> Option<(usize, usize)> {
+    pub fn part_of(&self, panel: usize, row: usize, column: usize) -> Option<(usize, usize)> {
         let own = panel as u32;
         let panel = &self.panels[panel];
         let inner = self.begins[column] as usize - panel.begin;
@@ -227,7 +227,7 @@ impl Pattern {
     }
 
     /// The nodes of a panel.
-    pub(super) fn nodes(&self, panel: usize) -> std::ops::Range<usize> {
+    pub fn nodes(&self, panel: usize) -> std::ops::Range<usize> {
         let Panel { begin, width, .. } = self.panels[panel];
         self.begins.partition_point(|&first| (first as usize) < begin)
             ..self.begins.partition_point(|&first| (first as usize) < begin + width)
@@ -279,7 +279,7 @@ impl Pattern {
     }
 
     /// The panel that holds the columns of a node.
-    pub(super) fn panel(&self, node: usize) -> usize {
+    pub fn panel(&self, node: usize) -> usize {
         self.panel_of[node] as usize
     }
 
@@ -289,7 +289,7 @@ impl Pattern {
     }
 
     /// The values of the whole lower triangle, row by row.
-    pub(super) fn square<R: Copy>(&self, values: &[R], zero: R) -> Vec<R> {
+    pub fn square<R: Copy>(&self, values: &[R], zero: R) -> Vec<R> {
         let size = self.size();
         let mut square = vec![zero; size * size];
         for panel in &self.panels {

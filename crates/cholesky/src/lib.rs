@@ -1,0 +1,16 @@
+//! Cholesky factors of sparse symmetric matrices whose unknowns come in small groups, those of blocks.
+//!
+//! [`Graph`] says which blocks are tied together, [`elimination_order`] in which order they are eliminated, [`Pattern`] where values stand;
+//! [`factor`] and [`substitute`] solve. The same bits on any number of threads and on every machine.
+
+mod elimination_order;
+mod factor;
+mod kernels;
+mod pattern;
+mod substitution;
+mod subtrees;
+
+pub use elimination_order::{Graph, Renumbered, elimination_order};
+pub use factor::{Fill, Singular, factor};
+pub use pattern::{BlockSlot, Pattern};
+pub use substitution::{backward, forward, substitute};
