@@ -4,17 +4,17 @@
 
 use crate::field::Field;
 use crate::levels::LevelCounts;
-use crate::number::{Approx, Ball, Bits, Bound, INFLATION, Int128};
-use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
+use crate::number::{Approx, Ball, Bound, INFLATION};
+use crate::pair::Pair;
 use crate::predicate::*;
 use crate::prepared_block::PreparedBlock;
 use crate::sign_cascade::SignCascade;
 use crate::unit_bounds::unit_bounds_for;
-use crate::view::{BallView, BitsView, BoundView, ExactView, FloatView, LazyScales, Scales};
+use crate::view::{BallView, BoundView, ExactView, FloatView, LazyScales, Scales};
+use in_integers::{InIntegers, PolynomialInIntegers};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_model::decision::Side;
-use rockproof_model::ring::ExactRing;
 use rockproof_model::{
     Block, BlockOptions, EdgeId, Entrance, EntranceKind, FaceId, Number, Sign, ToleranceSet, Topology, Vec3, VertexId,
 };
@@ -23,6 +23,7 @@ use std::collections::BTreeMap;
 
 mod definite;
 mod edge_in_plane;
+mod in_integers;
 mod integer_width;
 mod limits;
 mod own_lattice;
@@ -198,6 +199,7 @@ impl std::ops::AddAssign for Seen {
 struct Checker<'p, 's> {
     pair: &'p Pair<'s>,
     run: SignCascade<'p, 's>,
+    integers: InIntegers<'p, 's>,
     tolerances: &'p ToleranceSet,
     seen: &'p mut BTreeMap<usize, Seen>,
     /// What a slot holds for a pair: one bound, asked of whichever polynomial comes first.
@@ -213,42 +215,6 @@ fn expect_one_bound<K: Ord>(bounds: &mut BTreeMap<K, f64>, of: K, bound: f64, sl
     assert_eq!(first.to_bits(), bound.to_bits(), "slot {slot} has the bounds {first:e} and {bound:e}, {about}");
 }
 
-/// The sign in integers of one type.
-fn in_integers<P: Polynomial, T: FromUnits + ExactRing>(pair: &Pair<'_>, tolerances: &ToleranceSet, p: &P) -> Sign {
-    ExactRing::sign(&value_in_integers::<P, T>(pair, tolerances, p))
-}
-
-fn value_in_integers<P: Polynomial, T: FromUnits>(pair: &Pair<'_>, tolerances: &ToleranceSet, p: &P) -> T {
-    let exact = Scales::exact(tolerances, &pair.grid().lattice);
-    let scales = LazyScales { made: &OnceCell::new(), make: &|| exact.converted::<T>() };
-    p.value(&ExactView { geometry: &pair.exact::<T>(), scales })
-}
-
-/// The bits that every intermediate value has at most.
-fn bits_of<P: Polynomial>(pair: &Pair<'_>, tolerances: &ToleranceSet, p: &P) -> Bits {
-    p.value(&BitsView {
-        a: &pair.a.block,
-        b: &pair.b.block,
-        coordinate: pair.grid().bits,
-        scales: LazyScales { made: &OnceCell::new(), make: &|| Scales::exact(tolerances, &pair.grid().lattice).bits() },
-    })
-}
-
-/// Holds that integers of every width that holds so many bits find this sign.
-fn check_widths<P: Polynomial>(pair: &Pair<'_>, t: &ToleranceSet, p: &P, bits: Bits, exact: Sign, about: &str) {
-    for (width, sign) in [
-        (128, in_integers::<P, Int128> as fn(&Pair<'_>, &ToleranceSet, &P) -> Sign),
-        (256, in_integers::<P, Int256>),
-        (512, in_integers::<P, Int512>),
-        (1024, in_integers::<P, Int1024>),
-    ] {
-        if bits < Bits(width) {
-            let slot = P::FIRST_SLOT + p.variant();
-            assert_eq!(sign(pair, t, p), exact, "{width}-bit integers, slot {slot}, {about}");
-        }
-    }
-}
-
 /// Is shown polynomials.
 trait Visitor {
     fn visit<P: Polynomial>(&mut self, p: &P);
@@ -259,8 +225,9 @@ impl Visitor for Checker<'_, '_> {
         let (pair, t, about) = (self.pair, self.tolerances, &self.about);
         let slot = P::FIRST_SLOT + p.variant();
         assert!(p.variant() < P::VARIANTS && slot < SIGN_SLOTS);
-        let exact = in_integers::<P, BigInt>(pair, t, p);
-        self.seen.entry(slot).or_default().enclosed += integer_width::check(&self.run, p, exact, about);
+        let in_integers = PolynomialInIntegers::new(&self.integers, p);
+        let exact = in_integers.exact();
+        self.seen.entry(slot).or_default().enclosed += integer_width::check(&self.run, p, &in_integers, about);
         assert_eq!(self.run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
         // Twice: the second time the bound for all pairs of the size is known.
         for time in 1..=2 {
@@ -318,7 +285,7 @@ impl Visitor for Checker<'_, '_> {
             assert_eq!(sign, exact, "two f64, slot {slot}, {about}");
             seen.by_double += 1;
         }
-        check_widths(pair, t, p, bits_of(pair, t, p), exact, about);
+        in_integers.check_widths(exact, about);
     }
 }
 
@@ -445,6 +412,7 @@ fn walk(mut dice: Dice, rounds: usize) -> Walk {
         levels += Checker {
             pair: &pair,
             run: SignCascade::new(&pair, &t),
+            integers: InIntegers::new(&pair, &t),
             tolerances: &t,
             seen: &mut seen,
             pair_bounds: BTreeMap::new(),

@@ -1,13 +1,13 @@
 //! Signs of inward directions across edges, told by a shorter polynomial where an edge lies in the plane of a face at it: on blocks whose faces are
 //! planar in numbers of many digits, and whose edges are parallel to faces of one another. Integers say what is right.
 
-use super::{Dice, in_integers, without_tolerances};
+use super::in_integers::sign_of;
+use super::{Dice, without_tolerances};
 use crate::levels::LevelCounts;
 use crate::pair::Pair;
 use crate::predicate::InwardAcross;
 use crate::prepared_block::PreparedBlock;
 use crate::sign_cascade::SignCascade;
-use num_bigint::BigInt;
 use rockproof_model::decision::Side;
 use rockproof_model::{Block, BlockOptions, EdgeId, Number, Vec3};
 
@@ -37,7 +37,7 @@ fn check(a: &Block, b: &Block, about: &str, levels: &mut LevelCounts) -> usize {
         for edge_b in b.block.topology().edge_ids() {
             for (side, right) in [(Side::A, false), (Side::A, true), (Side::B, false), (Side::B, true)] {
                 let inward = InwardAcross { edge_a, edge_b, side, right };
-                let exact = in_integers::<_, BigInt>(&pair, &t, &inward);
+                let exact = sign_of(&pair, &t, &inward);
                 assert_eq!(run.sign(&inward), exact, "{about}: edges {edge_a} and {edge_b}, {side:?}, right {right}");
                 zeros += usize::from(exact.is_zero());
                 asked += 1;

@@ -1,14 +1,15 @@
 //! Integers of as few bits as the enclosure of a value says, against those of any length.
 
-use super::{bits_of, in_integers, value_in_integers, without_tolerances};
-use crate::number::{Ball, Bits, Int128};
-use crate::pair::{Int256, Int512, Int1024, Pair};
+use super::in_integers::{PolynomialInIntegers, WIDTHS, value_of};
+use super::without_tolerances;
+use crate::number::{Ball, Bits};
+use crate::pair::Pair;
 use crate::predicate::{Factor, LargerGap, Polynomial};
 use crate::prepared_block::PreparedBlock;
 use crate::sign_cascade::SignCascade;
 use crate::view::{BallView, LazyScales, Scales};
 use num_bigint::BigInt;
-use rockproof_model::{Block, BlockOptions, Entrance, FaceId, Number, Sign, ToleranceSet, Vec3, VertexId};
+use rockproof_model::{Block, BlockOptions, Entrance, FaceId, Number, Sign, Vec3, VertexId};
 use std::cell::OnceCell;
 use std::ops::AddAssign;
 
@@ -63,13 +64,17 @@ impl Seen {
 }
 
 /// Holds what the cascade concludes from the enclosure of a polynomial's value against the value.
-pub(super) fn check<P: Polynomial>(run: &SignCascade<'_, '_>, p: &P, exact: Sign, about: &str) -> Seen {
-    let (pair, t) = (run.pair, run.tolerances);
+pub(super) fn check<P: Polynomial>(
+    run: &SignCascade<'_, '_>,
+    p: &P,
+    in_integers: &PolynomialInIntegers<'_, '_, '_, P>,
+    about: &str,
+) -> Seen {
+    let t = run.tolerances;
+    let (value, exact) = (&in_integers.value, in_integers.exact());
     let slot = P::FIRST_SLOT + p.variant();
     let made: OnceCell<Scales<Ball>> = OnceCell::new();
     let balls = BallView { floats: run.float_view(), scales: LazyScales { made: &made, make: &|| Scales::balls(t) } };
-    let value = value_in_integers::<P, BigInt>(pair, t, p);
-    let on_the_way = bits_of(pair, t, p);
     let mut seen = Seen::default();
     let around = Ball { middle: p.value(&run.float_view()).0, radius: run.bound_of::<P>(p.variant()) };
     seen.by_bounds += u64::from(run.bits_of_ball::<P>(around).is_some_and(|bits| bits < Bits(128)));
@@ -81,18 +86,13 @@ pub(super) fn check<P: Polynomial>(run: &SignCascade<'_, '_>, p: &P, exact: Sign
         let Some(enclosed) = enclosed else { continue };
         assert!(value.bits() <= u64::from(enclosed.0), "{value} in {enclosed:?}, slot {slot}, {about}");
         seen.at_the_edge += u64::from(value.bits() == u64::from(enclosed.0));
-        for (width, sign) in [
-            (128, in_integers::<P, Int128> as fn(&Pair<'_>, &ToleranceSet, &P) -> Sign),
-            (256, in_integers::<P, Int256>),
-            (512, in_integers::<P, Int512>),
-            (1024, in_integers::<P, Int1024>),
-        ] {
+        for (number, width) in WIDTHS.into_iter().enumerate() {
             if enclosed < Bits(width) {
-                assert_eq!(sign(pair, t, p), exact, "{width}-bit integers, slot {slot}, {about}");
-                seen.wrapped += u64::from(on_the_way >= Bits(width));
+                assert_eq!(in_integers.sign(number), exact, "{width}-bit integers, slot {slot}, {about}");
+                seen.wrapped += u64::from(in_integers.bits >= Bits(width));
             } else if value.bits() >= u64::from(width) {
                 seen.too_long += 1;
-                seen.wrong += u64::from(sign(pair, t, p) != exact);
+                seen.wrong += u64::from(in_integers.sign(number) != exact);
             }
         }
     }
@@ -171,7 +171,7 @@ fn gaps_to_planes_that_are_nearly_parallel_are_not_equal() {
     assert!(parallel.iter().all(|ball| ball.certain_sign().is_none_or(Sign::is_zero)), "balls cannot tell");
     assert!(level.iter().any(|ball| ball.certain_sign().is_none_or(Sign::is_zero)), "balls cannot tell");
     assert!(!run.are_equal(&equal, &balls), "planes that are nearly parallel");
-    let exact = value_in_integers::<_, BigInt>(&pair, &tolerances, &gaps);
+    let exact = value_of(&pair, &tolerances, &gaps);
     assert_ne!(exact, BigInt::ZERO);
     assert_eq!(run.sign(&gaps), Sign::of_ordering(exact.cmp(&BigInt::ZERO)));
 }

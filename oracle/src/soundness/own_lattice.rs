@@ -2,7 +2,8 @@
 //! to faces and edges of one another or nearly so.
 
 use super::edge_in_plane::FACES;
-use super::{Dice, Input, block, in_integers, value_in_integers, without_tolerances};
+use super::in_integers::{sign_of, value_of};
+use super::{Dice, Input, block, without_tolerances};
 use crate::own_lattice::ProductAlongNormal;
 use crate::pair::Pair;
 use crate::predicate::{
@@ -88,7 +89,7 @@ impl Seen {
     fn check<P: Polynomial>(&mut self, pair: &Pair<'_>, p: &P, told: (Edge, Face, Option<Edge>, Sign), about: &str) {
         let (edge, face, own, turn) = told;
         let t = without_tolerances();
-        let (exact, sign) = (value_in_integers::<_, BigInt>(pair, &t, p), in_integers::<_, BigInt>(pair, &t, p));
+        let (exact, sign) = (value_of(pair, &t, p), sign_of(pair, &t, p));
         let (units, metres) = pair.grid().lattice.units_per_metre();
         let metres = BigRational::from_integer(exact) * BigRational::new(metres, units).pow(P::DEGREE as i32);
         // Hardly above it, so that one bit less than are needed is noticed.
@@ -241,7 +242,7 @@ fn products_at_the_end_of_a_width_take_the_next() {
                     let along_x = |edge: &EdgeId| a.edges[edge.index()].direction.x.0 != 0.0;
                     for edge in a.block.topology().edge_ids().filter(along_x).map(|edge| (Side::A, edge)) {
                         for face in (0..6).map(|face| (Side::B, FaceId(face))) {
-                            let sign = in_integers::<_, BigInt>(&pair, &t, &EdgeAlongNormal { edge, face });
+                            let sign = sign_of(&pair, &t, &EdgeAlongNormal { edge, face });
                             let along_y = |own: &EdgeId| {
                                 let ends = topology.edge(*own);
                                 (ends.left == face.1 || ends.right == face.1)

@@ -1,13 +1,13 @@
 //! Parts of values: that they are as near to the exact ones as their bounds say, and that the bounds made of them decide more.
 
-use super::{Dice, INPUTS, Seen, block, tolerances, value_in_integers};
+use super::in_integers::value_of;
+use super::{Dice, INPUTS, Seen, block, tolerances};
 use crate::pair::Pair;
 use crate::predicate::{
     CornerHeight, EdgeSize, InwardAcross, LargerGap, PlaneSize, Polynomial, WedgeDipAngle, WedgeDipDepth, WedgeSize,
 };
 use crate::prepared_block::PreparedBlock;
 use crate::sign_cascade::{Parts, SignCascade};
-use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use rockproof_model::decision::Side;
@@ -54,8 +54,8 @@ fn check_part<P: Polynomial>(run: &SignCascade<'_, '_>, part: &P, about: &str) -
     };
     let (units, metres) = run.pair.grid().lattice.units_per_metre();
     let metres_a_unit = BigRational::new(metres, units);
-    let exact = BigRational::from_integer(value_in_integers::<P, BigInt>(run.pair, run.tolerances, part))
-        * metres_a_unit.pow(P::DEGREE as i32);
+    let exact =
+        BigRational::from_integer(value_of(run.pair, run.tolerances, part)) * metres_a_unit.pow(P::DEGREE as i32);
     let off = (&value - &exact).abs();
     let slot = P::FIRST_SLOT + part.variant();
     assert!(off <= error, "slot {slot} is off by {off} beyond {bound:?}, {about}");

@@ -2,7 +2,8 @@
 //! nearly so, and on blocks whose faces are bent.
 
 use super::edge_in_plane::parallelepiped;
-use super::{Dice, Input, block, in_integers, value_in_integers, without_tolerances};
+use super::in_integers::{sign_of, value_of};
+use super::{Dice, Input, block, without_tolerances};
 use crate::pair::Pair;
 use crate::predicate::{AbovePlane, Factor, LargerGap};
 use crate::prepared_block::PreparedBlock;
@@ -32,7 +33,7 @@ impl Seen {
             for face in topology.face_ids() {
                 let in_plane = |&v| {
                     let above = AbovePlane { vertex: (side, v), face: (side, face) };
-                    in_integers::<_, BigInt>(&pair, &t, &above).is_zero()
+                    sign_of(&pair, &t, &above).is_zero()
                 };
                 let planar = topology.face(face).iter().all(in_plane);
                 for time in 1..=2 {
@@ -52,14 +53,14 @@ impl Seen {
                     continue;
                 }
                 let gaps = LargerGap { first, second, factor: Factor::One };
-                let value = value_in_integers::<_, BigInt>(&pair, &t, &gaps);
+                let value = value_of(&pair, &t, &gaps);
                 assert_eq!(value, BigInt::ZERO, "{about}: {first:?} and {second:?}");
                 let gap = match first {
                     Entrance::VertexFace(v, f) => AbovePlane { vertex: (Side::A, v), face: (Side::B, f) },
                     Entrance::FaceVertex(f, v) => AbovePlane { vertex: (Side::B, v), face: (Side::A, f) },
                     Entrance::EdgeEdge(..) => continue,
                 };
-                if !in_integers::<_, BigInt>(&pair, &t, &gap).is_zero() {
+                if !sign_of(&pair, &t, &gap).is_zero() {
                     let edges = matches!(second, Entrance::EdgeEdge(..));
                     *(if edges { &mut self.crossing } else { &mut self.parallel }) += 1;
                 }

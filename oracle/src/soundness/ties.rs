@@ -2,7 +2,8 @@
 //! one last place to either side, with numbers of so many digits that each level of the cascade has to decide. Every level, and the
 //! cascade as a whole, must say what fractions say: they are taken in metres, without lattice, widths or bounds.
 
-use super::{Dice, Visitor, bits_of, check_widths, in_integers, show_all, without_tolerances};
+use super::in_integers::{InIntegers, PolynomialInIntegers};
+use super::{Dice, Visitor, show_all, without_tolerances};
 use crate::field::Field;
 use crate::levels::LevelCounts;
 use crate::number::Ball;
@@ -196,9 +197,11 @@ impl Solver<'_> {
         let pair = Pair::new(&a, &b);
         let slot = P::FIRST_SLOT + p.variant();
         let about = format!("{exact:?} for {numbers:?} over 2^{shift}");
-        let bits = bits_of(&pair, &t, p);
-        assert_eq!(in_integers::<P, BigInt>(&pair, &t, p), exact, "integers on the heap, slot {slot}, {about}");
-        check_widths(&pair, &t, p, bits, exact, &about);
+        let integers = InIntegers::new(&pair, &t);
+        let in_integers = PolynomialInIntegers::new(&integers, p);
+        let bits = in_integers.bits;
+        assert_eq!(in_integers.exact(), exact, "integers on the heap, slot {slot}, {about}");
+        in_integers.check_widths(exact, &about);
         let mut run = SignCascade::new(&pair, &t);
         assert_eq!(run.exact_sign(p), exact, "the width of integers chosen, slot {slot}, {about}");
         let mut expected = [0; LEVELS];
@@ -256,7 +259,7 @@ impl Solver<'_> {
         }
         let bits = {
             let ([a, b], t) = tie.given(self.shapes, 0);
-            bits_of(&Pair::new(&a, &b), &t, p).0
+            InIntegers::new(&Pair::new(&a, &b), &t).bits(p).0
         };
         for level in 0..LEVELS {
             if self.seen[slot].has_level(level) {
@@ -271,7 +274,7 @@ impl Solver<'_> {
                 let digits = digits - less;
                 let scaled = tie.times(&factor(digits));
                 let ([a, b], t) = scaled.given(self.shapes, digits);
-                (level_of(bits_of(&Pair::new(&a, &b), &t, p).0) == level).then_some((scaled, digits))
+                (level_of(InIntegers::new(&Pair::new(&a, &b), &t).bits(p).0) == level).then_some((scaled, digits))
             });
             let Some((scaled, digits)) = scaled else { continue };
             let (sign, found, _) = self.check(p, &scaled, digits);
