@@ -89,6 +89,7 @@ fn csv_holds_every_contestant_on_both_samples() {
 }
 
 #[test]
+#[ignore = "three seconds; .ci/run runs it"]
 fn table_has_its_three_parts() {
     let text = bench("table");
     for head in ["signs a pair", "µs a pair", "pairs a second"] {

@@ -1,5 +1,6 @@
 //! Pins how a campaign is asked for, goes on, is stopped, and what it says at its end.
 
+use crate::campaigns::{CASES_AS_FOUND, WITHOUT_CASES};
 use crate::place::rockproof;
 #[cfg(unix)]
 use crate::processes::{signal, until};
@@ -90,7 +91,7 @@ fn tolerances_come_from_a_file_too() {
     let dir = tempfile::tempdir().expect("a directory");
     let tolerances = written(dir.path(), "mytol.toml", "preset = \"auto\"\nparallel_angle = 5\n");
     let run = |name, more: &[&str]| {
-        campaign(dir.path(), name, &[&["--pairs", "64", "--tolerances", &tolerances][..], more].concat())
+        campaign(dir.path(), name, &[&[WITHOUT_CASES, "--pairs", "64", "--tolerances", &tolerances][..], more].concat())
     };
     let (code, _, err) = run("run", &[]);
     assert_eq!(code, 0, "{err}");
@@ -121,7 +122,7 @@ fn engines_in_a_file_may_be_external() {
     let dir = tempfile::tempdir().expect("a directory");
     let command = r#"sed -u -E 's/^."id":([0-9]+),.*/{"id":\\1,"state":"apart"}/'"#;
     let config = format!(
-        "pairs = 32\nengines = [\"mine\"]\n[[external]]\nname = \"mine\"\ncommand = '''{}'''\n",
+        "pairs = 32\nengines = [\"mine\"]\nshrink_evaluations = 0\n[[external]]\nname = \"mine\"\ncommand = '''{}'''\n",
         command.replace("\\\\", "\\")
     );
     let config = written(dir.path(), "mine.toml", &config);
@@ -141,7 +142,7 @@ fn engines_in_a_file_may_be_external() {
     let (code, said, err) = rockproof(&["gate", &gate, "--out", out.to_str().expect("text")]);
     assert!(code == 1 && said.contains("failed"), "{said}{err}");
     // A short name is the engine's.
-    let (code, out, err) = campaign(dir.path(), "short", &["--pairs", "32", "--engine", "f32"]);
+    let (code, out, err) = campaign(dir.path(), "short", &[WITHOUT_CASES, "--pairs", "32", "--engine", "f32"]);
     assert!(code == 0 && out.contains("stepper-f32") && !out.contains("stepper-f64"), "{out}{err}");
 }
 
@@ -199,7 +200,8 @@ fn the_report_to_come_next_can_be_made_where_there_is_one() {
         line.split(' ').map(str::to_owned).collect::<Vec<_>>()
     };
     for (start, flag) in [("--resume", false), ("--overwrite", true), ("--resume", true)] {
-        let (code, said, err) = campaign(dir.path(), "run", &["--pairs", "32", "--steps-every", "0", start]);
+        let (code, said, err) =
+            campaign(dir.path(), "run", &[CASES_AS_FOUND, "--pairs", "32", "--steps-every", "0", start]);
         assert_eq!(code, 0, "{err}");
         let words = next(&said);
         assert_eq!(words.contains(&"--overwrite".to_owned()), flag, "{said}");

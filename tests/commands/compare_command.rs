@@ -1,6 +1,6 @@
 //! Pins `compare`: what it says of runs over the same pairs and over others, what it leaves out, what it refuses.
 
-use crate::campaigns::{Campaigns, SETTINGS};
+use crate::campaigns::{CASES_AS_FOUND, Campaigns, SETTINGS, WITHOUT_CASES};
 use crate::engines::client;
 use crate::place::rockproof_in;
 use serde_json::Value;
@@ -11,6 +11,7 @@ use std::path::Path;
 fn campaign(dir: &Path, out: &str, trick: &str, more: &[&str]) {
     let mine = format!("mine={} {trick}", client());
     let settings = [
+        CASES_AS_FOUND,
         "--family",
         "sliver,face_stack",
         "--tolerances",
@@ -24,6 +25,11 @@ fn campaign(dir: &Path, out: &str, trick: &str, more: &[&str]) {
     ];
     let (code, _, err) = rockproof_in(dir, &[&["campaign"], &settings[..], more].concat());
     assert_eq!(code, 0, "{err}");
+}
+
+/// The settings of campaigns in parts, but that no case is made, which none of these comparisons reads.
+fn without_cases() -> String {
+    SETTINGS.replace("cases_per_cause = 60", "cases_per_cause = 0")
 }
 
 /// How the sorts of findings fared.
@@ -91,7 +97,7 @@ fn the_same_pairs_tell_everything() {
 
 #[test]
 fn a_part_is_compared_with_the_whole_pair_by_pair() {
-    let campaigns = Campaigns::new(SETTINGS);
+    let campaigns = Campaigns::new(&without_cases());
     let [thirds, halves] = [3, 2].map(|of| campaigns.parts(of, &[]));
     campaigns.campaign("whole", &[]);
     let compare = |one: &str, two: &str| campaigns.run(&["compare", one, two, "--format", "json", "--deny", "new"]);
@@ -120,7 +126,18 @@ fn other_pairs_are_compared_by_chance_and_what_one_run_has_is_left_out() {
     let classes = found["findings"]["classes"].as_array().expect("classes");
     assert!(!classes.is_empty() && classes.iter().all(|class| class["chance"].is_number()), "{found:#}");
 
-    let built_in = ["campaign", "--pairs", "32", "--family", "edge_cross", "--tolerances", "auto", "--out", "three"];
+    let built_in = [
+        "campaign",
+        WITHOUT_CASES,
+        "--pairs",
+        "32",
+        "--family",
+        "edge_cross",
+        "--tolerances",
+        "auto",
+        "--out",
+        "three",
+    ];
     assert_eq!(rockproof_in(dir, &built_in).0, 0);
     let (code, text, _) = rockproof_in(dir, &["compare", "one", "three", "--deny", "new"]);
     assert!(code == 1 && text.contains("nothing is known") && text.contains("engine mine"), "{code}: {text}");
@@ -215,7 +232,7 @@ fn shells_and_man_know_every_command() {
 /// Under a set that depends on the precision a tolerance concerns `any` where one precision takes part, and one of two where both do.
 #[test]
 fn findings_about_all_precisions_are_not_compared_where_these_differ() {
-    let campaigns = Campaigns::new(SETTINGS);
+    let campaigns = Campaigns::new(&without_cases());
     campaigns.campaign("both", &["--engine", "stepper-f32,stepper-f64"]);
     campaigns.campaign("one", &["--engine", "stepper-f64"]);
     let (code, out, err) = campaigns.run(&["compare", "both", "one", "--format", "json", "--deny", "new,more,other"]);

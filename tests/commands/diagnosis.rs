@@ -1,5 +1,6 @@
 //! The diagnosis of external engines: each planted mistake is told, and told the same however the campaign was run.
 
+use crate::campaigns::WITHOUT_CASES;
 use crate::engines::client;
 use assert_cmd::Command;
 use rockproof_differential::diagnosis::{DiagnosisRow, DiagnosisVerdict};
@@ -78,12 +79,12 @@ fn rounding_is_no_mistake_and_a_rare_mistake_is_not_explained_away() {
 fn the_diagnosis_is_the_same_however_the_campaign_was_run() {
     let dir = tempfile::tempdir().expect("a directory");
     let read = |name: &str| fs::read(dir.path().join(name).join("diagnosis.csv")).expect("a diagnosis");
-    let families = ["--pairs", "192", "--family", "face_stack,edge_cross"];
+    let families = ["--pairs", "96", "--family", "face_stack,edge_cross"];
     diagnosed(dir.path(), "sign", &[&families[..], &["--threads", "1"]].concat());
     let whole = read("sign");
     diagnosed(dir.path(), "sign", &[&families[..], &["--threads", "2", "--overwrite"]].concat());
     assert!(read("sign") == whole, "threads");
-    let fewer = ["--pairs", "96", "--family", "face_stack,edge_cross", "--overwrite"];
+    let fewer = ["--pairs", "48", "--family", "face_stack,edge_cross", "--overwrite"];
     diagnosed(dir.path(), "sign", &fewer);
     assert!(read("sign") != whole, "fewer pairs");
     diagnosed(dir.path(), "sign", &[&families[..], &["--resume"]].concat());
@@ -135,8 +136,18 @@ fn the_diagnosis_is_the_same_however_the_campaign_was_run() {
 fn without_external_engines_there_is_none() {
     let dir = tempfile::tempdir().expect("a directory");
     let out = dir.path().join("out").to_string_lossy().into_owned();
-    let (code, said) =
-        rockproof(&["campaign", "--pairs", "32", "--steps-every", "0", "--format", "json", "--out", &out]);
+    let (code, said) = rockproof(&[
+        "campaign",
+        WITHOUT_CASES,
+        "--pairs",
+        "32",
+        "--steps-every",
+        "0",
+        "--format",
+        "json",
+        "--out",
+        &out,
+    ]);
     assert!(code == 0 && !said.contains("diagnosis"), "{said}");
     assert!(!Path::new(&out).join("diagnosis.csv").exists());
 }

@@ -31,7 +31,7 @@ fn case(dir: &Path, what: &str) -> String {
     format!("out/cases/{name}")
 }
 
-const FEW: [&str; 4] = ["--family", "face_stack", "--pairs", "64"];
+const FEW: [&str; 4] = ["--family", "face_stack", "--pairs", "32"];
 
 #[test]
 fn answers_that_cannot_be_read_are_not_diagnosed_and_no_contacts_are() {
@@ -139,14 +139,14 @@ fn a_program_that_changed_before_the_run_goes_on_is_told() {
     let changed = "mine: its program, or the first file among its arguments, changed while the campaign went on: 2 different ones were asked";
     fs::write(dir.join("no_cases.toml"), "cases_per_cause = 0\n").expect("written");
     write("").expect("written");
-    assert!(!run("32", "--overwrite").contains(changed));
-    assert!(!run("48", "--resume").contains(changed));
+    assert!(!run("16", "--overwrite").contains(changed));
+    assert!(!run("32", "--resume").contains(changed));
     write("# built anew").expect("written");
-    assert!(run("64", "--resume").contains(changed));
+    assert!(run("48", "--resume").contains(changed));
     let (_, said, err) = rockproof_in(dir, &["report", "out"]);
     assert!(said.contains(changed), "{said}{err}");
     let text = fs::read_to_string(dir.join("out/run.json")).expect("run.json");
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(json["external_engines"]["mine"]["programs"].as_array().map(Vec::len), Some(2), "{json}");
-    assert!(!run("64", "--overwrite").contains(changed));
+    assert!(!run("16", "--overwrite").contains(changed));
 }

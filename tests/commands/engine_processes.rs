@@ -2,6 +2,7 @@
 //! is told, and nothing an engine says reaches the terminal as a command.
 #![cfg(target_os = "linux")]
 
+use crate::campaigns::CASES_AS_FOUND;
 use crate::engines::client;
 use crate::gates::{around, gate};
 use crate::place::rockproof_in;
@@ -119,8 +120,8 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     let engine = format!("mine={} second", client());
-    let campaign =
-        ["campaign", "--pairs", "64", "--family", "face_stack", "--engine", "mine", "--engine-command", &engine];
+    let pairs = ["campaign", CASES_AS_FOUND, "--family", "face_stack", "--pairs", "64"];
+    let campaign = [&pairs[..], &["--engine", "mine", "--engine-command", &engine]].concat();
     let (code, out, err) = rockproof_in(dir, &[&campaign[..], &["--out", "run", "--deny", "crash"]].concat());
     assert!(code == 0 && out.contains("were answered by a fresh process"), "{out}{err}");
     let table = fs::read_to_string(dir.join("run/engines.csv")).expect("engines.csv");
@@ -135,7 +136,7 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     let crash = "crashed: it ended with exit code 3";
     assert!(table.contains(&format!(",{crash}\n")) && out.contains(&format!("  {crash}\n")), "{table}{out}");
     // Sums go on where a run does.
-    let more = campaign.map(|word| if word == "64" { "128" } else { word });
+    let more: Vec<&str> = campaign.iter().map(|word| if *word == "64" { "128" } else { *word }).collect();
     let (code, _, err) = rockproof_in(dir, &[&more[..], &["--out", "part", "--deny", "recovered"]].concat());
     assert!(code == 1 && err.contains("recovered"), "{err}");
     let (code, out, err) = rockproof_in(dir, &["report", "run", "--out", "page"]);
@@ -207,7 +208,12 @@ fn what_this_program_lacks_is_no_finding_about_an_engine() {
         let script = format!("{limit}exec \"$0\" \"$@\"");
         let mut shell = Command::new("sh");
         shell.current_dir(dir).args(["-c", &script]).arg(assert_cmd::cargo::cargo_bin("rockproof"));
-        shell.args(["campaign", "--pairs", "256", "--family", "edge_cross", "--engine", "mine", "--threads", "6"]);
+        shell.args(["campaign", CASES_AS_FOUND, "--pairs", "256", "--family", "edge_cross"]).args([
+            "--engine",
+            "mine",
+            "--threads",
+            "6",
+        ]);
         let output = shell.args(["--engine-command", &engine]).args(more).output().expect("runs");
         (output.status.code().expect("a code"), String::from_utf8_lossy(&output.stderr).into_owned())
     };

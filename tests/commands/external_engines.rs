@@ -1,6 +1,7 @@
 //! External engines over the line protocol: the right client agrees with the built-in stepper; every kind of misbehaviour is a
 //! finding and never the end of the run; threads and resuming change nothing; nonsense never panics.
 
+use crate::campaigns::CASES_AS_FOUND;
 use crate::engines::{client, cpp_client, example, skipped, there};
 use crate::place::rockproof;
 use assert_cmd::Command;
@@ -34,7 +35,7 @@ const ONLY: [&str; 2] = ["--engine", "mine"];
 #[test]
 fn a_client_around_the_stepper_finds_what_the_stepper_finds() {
     let dir = tempfile::tempdir().expect("a directory");
-    let beside = rows(dir.path(), "beside", &client(), &[]);
+    let beside = rows(dir.path(), "beside", &client(), &[CASES_AS_FOUND]);
     let kept = |rows: Vec<Vec<String>>| -> Vec<Vec<String>> {
         rows.into_iter().map(|row| [&row[0..4], &row[6..9]].concat()).collect()
     };
@@ -80,9 +81,10 @@ fn every_misbehaviour_is_a_finding() {
 fn threads_and_resuming_change_nothing() {
     let dir = tempfile::tempdir().expect("a directory");
     let command = format!("{} crash", client());
-    rows(dir.path(), "one", &command, &["--engine", "mine", "--threads", "1"]);
-    rows(dir.path(), "two", &command, &["--engine", "mine", "--threads", "2"]);
-    rows(dir.path(), "two", &command, &["--engine", "mine", "--threads", "2", "--resume"]);
+    let found = [CASES_AS_FOUND, "--engine", "mine", "--threads"];
+    rows(dir.path(), "one", &command, &[&found[..], &["1"]].concat());
+    rows(dir.path(), "two", &command, &[&found[..], &["2"]].concat());
+    rows(dir.path(), "two", &command, &[&found[..], &["2", "--resume"]].concat());
     for name in ["findings.csv", "summary.csv"] {
         let read = |run: &str| fs::read(dir.path().join(run).join(name)).expect(name);
         assert!(read("one") == read("two"), "{name}");
@@ -91,7 +93,7 @@ fn threads_and_resuming_change_nothing() {
 
 /// The campaign about a client that decides by separating axes has no finding far from a tie.
 fn agrees_wherever_rounding_cannot_matter(dir: &Path, command: &str) {
-    let found = rows(dir, "sat", command, &ONLY);
+    let found = rows(dir, "sat", command, &[&[CASES_AS_FOUND][..], &ONLY].concat());
     let run = fs::read_to_string(dir.join("sat/run.json")).expect("run.json");
     let run: serde_json::Value = serde_json::from_str(&run).expect("JSON");
     let asked = run["external_engines"]["mine"]["asked"].as_u64();
@@ -114,7 +116,7 @@ fn the_python_client_agrees_wherever_rounding_cannot_matter() {
 #[test]
 fn the_cpp_client_agrees_wherever_rounding_cannot_matter() {
     let dir = tempfile::tempdir().expect("a directory");
-    if let Some(client) = cpp_client(dir.path()) {
+    if let Some(client) = cpp_client() {
         agrees_wherever_rounding_cannot_matter(dir.path(), &client);
     }
 }
@@ -141,7 +143,7 @@ fn floats(value: &serde_json::Value) -> serde_json::Value {
 #[test]
 fn the_cpp_client_and_the_python_client_say_the_same() {
     let dir = tempfile::tempdir().expect("a directory");
-    let Some(cpp) = cpp_client(dir.path()) else { return };
+    let Some(cpp) = cpp_client() else { return };
     if !there("python3") {
         return skipped("there is no python3 to run examples/engines/client.py with");
     }
@@ -149,6 +151,7 @@ fn the_cpp_client_and_the_python_client_say_the_same() {
     let kept = dir.path().join("questions");
     let command = format!("sh -c \"tee -a '{}' | '{cpp}'\"", kept.display());
     let families = ["--family", "joint_cut,quasi_parallel_edges,concave_notch", "--threads", "1", "--engine", "mine"];
+    // Those of cases that are made smaller too: of the pairs as they are drawn none touch.
     rows(dir.path(), "keeping", &command, &families);
     let questions = fs::read(kept).expect("questions");
     let python = example("client.py");
@@ -167,8 +170,7 @@ fn the_cpp_client_and_the_python_client_say_the_same() {
 
 #[test]
 fn the_cpp_client_refuses_nonsense() {
-    let dir = tempfile::tempdir().expect("a directory");
-    let Some(client) = cpp_client(dir.path()) else { return };
+    let Some(client) = cpp_client() else { return };
     let block = |vertices: &str, faces: &str| format!(r#"{{"vertices":{vertices},"faces":{faces},"reflex":[]}}"#);
     let empty = block("[]", "[]");
     for line in [

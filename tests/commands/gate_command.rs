@@ -29,7 +29,8 @@ fn passes_on_what_is_known_and_fails_on_each_planted_regression() {
         ("none", "missing"),
         ("state", "state"),
     ] {
-        let ran = gate(dir, &planted(trick, baseline), &[], false);
+        let shrunk = planted(trick, baseline).replace("shrink_evaluations = 0\n", "");
+        let ran = gate(dir, &shrunk, &[], false);
         assert!(ran.code == 1 && ran.out.contains(message) && ran.out.contains("gate failed"), "{trick}: {}", ran.out);
         let cases = fs::read_dir(dir.join("reports/gate/fixed/cases")).expect("cases").count();
         assert!(cases > 0, "{trick}: a case to replay");
@@ -140,7 +141,7 @@ fn the_formats_are_what_their_readers_take() {
     assert!(quick_junit::Report::deserialize_from_str(&text).is_ok(), "a reader of JUnit takes it");
     let annotation = ran.out.lines().find(|line| line.starts_with("::error ")).expect("an annotation");
     assert!(
-        annotation.contains("file=gate.toml,line=10,") && annotation.contains("title=rockproof limit::"),
+        annotation.contains("file=gate.toml,line=11,") && annotation.contains("title=rockproof limit::"),
         "{annotation}"
     );
     let summary = fs::read_to_string(dir.join("summary.md")).expect("a summary");

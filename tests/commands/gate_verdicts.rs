@@ -1,10 +1,9 @@
 //! A gate passes only where something was checked and could have failed: external engines that answer, limits that concern what takes part.
 
+use crate::campaigns::WITHOUT_CASES;
 use crate::engines::client;
 use crate::gates::{Ran, around, gate};
 use crate::place::Place;
-use rockproof_gate::config::GateConfig;
-use std::collections::BTreeSet;
 use std::path::Path;
 
 /// An engine that says the same to every question.
@@ -100,7 +99,8 @@ fn an_engine_that_no_limit_concerns_fails_and_a_limit_that_concerns_none_is_skip
 fn an_engine_that_is_asked_nothing_fails() {
     let place = Place::new();
     place.file("mine.sh", "exec sed -u 's/^{\"id\":\\([0-9]*\\),.*/{\"id\":\\1,\"contacts\":[]}/'\n");
-    let steps = "pairs = 32\nsteps_every = 1\nfamilies = [\"passage\"]\nengines = [\"stepper-f64\", \"mine\"]\nshrink_evaluations = 0\n";
+    let steps = "pairs = 32\nsteps_every = 1\nfamilies = [\"passage\"]\nengines = [\"stepper-f64\", \"mine\"]\ntolerances = [\"auto\"]\n\
+                 cases_per_cause = 0\nshrink_evaluations = 0\n";
     let mine = "[[EXTERNAL]]\nname = \"mine\"\ncommand = \"sh mine.sh\"\n";
     let limits = "[[limit]]\nengine = \"mine\"\ncount = 0\n[[limit]]\nchange = \"passage\"\ncount = 999\n";
     place.file(
@@ -223,43 +223,6 @@ fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
     assert!(code == 0 && said.contains("skip") && said.contains("no pair with family sliver was examined"), "{said}");
 }
 
-/// So that no limit on what there is is refused: each sort of finding that a campaign has may be limited.
-#[test]
-fn what_a_campaign_finds_may_be_limited() {
-    let place = Place::new();
-    place.file(
-        "mine.sh",
-        "exec sed -u 's/^{\"id\":\\([0-9]*\\),.*/{\"id\":\\1,\"state\":\"overlapping\",\"depth\":1}/'\n",
-    );
-    // To make cases smaller would take four times as long as to find them.
-    place.file("campaign.toml", "cases_per_cause = 0\n");
-    let campaign = "campaign campaign.toml --pairs 1024 --steps-every 8 --out run --tolerances auto,shi,zero";
-    let campaign: Vec<&str> = campaign.split(' ').collect();
-    let mine = ["--engine", "stepper-f32,stepper-f64,mine", "--engine-command", "mine=sh mine.sh"];
-    let (code, out, err) = place.run(&[&campaign[..], &mine].concat());
-    assert_eq!(code, 0, "{out}{err}");
-    let mut sorts: BTreeSet<String> = BTreeSet::new();
-    for row in ["run/findings.csv", "run/step_findings.csv"].iter().flat_map(|table| place.rows(table)) {
-        let mut limit = format!("cause = \"{}\"\nchange = \"{}\"\ncount = 0\n", row["cause"], row["change"]);
-        let kind = row.get("kind").or_else(|| row.get("kind_before").filter(|kind| !kind.is_empty()));
-        let kind = kind.or_else(|| row.get("kind_after")).filter(|kind| kind.contains('-'));
-        limit.extend(kind.map(|kind| format!("kind = \"{kind}\"\n")));
-        if !row["margin_ulps"].is_empty() {
-            limit.push_str("beyond_ulps = 0\n");
-        }
-        sorts.insert(limit);
-    }
-    for limit in &sorts {
-        let read = GateConfig::from_toml(&format!("[[limit]]\n{limit}"), "gate.toml");
-        assert!(read.is_ok(), "{limit}: {}", read.expect_err("refused"));
-    }
-    for some in
-        ["not-held", "\"unseen\"", "\"mode\"", "\"state\"", "tolerance", "representation", "arithmetic", "engine"]
-    {
-        assert!(sorts.iter().any(|limit| limit.contains(some)), "{some}: {sorts:?}");
-    }
-}
-
 /// An engine that says only how blocks lie can break no limit on contacts, and one that names contacts none on how they lie.
 #[cfg(unix)]
 #[test]
@@ -304,7 +267,15 @@ fn deny_says_which_causes_do_not_concern_external_engines() {
     let engine = format!("mine={} none", client());
     let run = |more: &[&str]| {
         let mut command = assert_cmd::Command::cargo_bin("rockproof").expect("the program");
-        command.current_dir(dir.path()).args(["campaign", "--pairs", "32", "--family", "face_stack", "--overwrite"]);
+        command.current_dir(dir.path()).args([
+            "campaign",
+            WITHOUT_CASES,
+            "--pairs",
+            "32",
+            "--family",
+            "face_stack",
+            "--overwrite",
+        ]);
         let output = command.args(["--engine-command", &engine, "--out", "run"]).args(more).output().expect("runs");
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
@@ -351,7 +322,10 @@ fn a_campaign_that_compared_nothing_is_denied() {
     let words = |answer: &str| {
         let words: Vec<String> =
             always(answer).iter().map(|word| toml::Value::from(word.as_str()).to_string()).collect();
-        format!("pairs = 32\nengines = [\"mine\"]\n[[external]]\nname = \"mine\"\ncommand = [{}]\n", words.join(", "))
+        format!(
+            "pairs = 32\nengines = [\"mine\"]\ncases_per_cause = 0\n[[external]]\nname = \"mine\"\ncommand = [{}]\n",
+            words.join(", ")
+        )
     };
     place.file("none.toml", &words(r#""unsupported":"not today""#));
     for deny in ["defect", "crash", "extra,recovered", "any"] {

@@ -88,7 +88,7 @@ fn engine_counts(run: &mut BTreeMap<String, Vec<u8>>) -> [u64; 3] {
 fn without_open_files_it_ends_and_goes_on() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
-    fs::write(dir.join("settings.toml"), SETTINGS).expect("settings");
+    fs::write(dir.join("settings.toml"), format!("{SETTINGS}shrink_evaluations = 0\n")).expect("settings");
     for files in 4..=7 {
         let script = format!("ulimit -n {files}; exec \"$0\" campaign settings.toml --threads 1 --resume --out run");
         let mut shell = Command::new("timeout");
@@ -108,8 +108,9 @@ fn an_engine_may_have_a_name_of_300_characters() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     let (name, command) = ("e".repeat(300), toml::Value::from(client()));
-    let settings =
-        format!("engines = [\"{name}\"]\n{SETTINGS}[[external]]\nname = \"{name}\"\ncommand = [{command}, \"none\"]\n");
+    let settings = format!(
+        "engines = [\"{name}\"]\n{SETTINGS}shrink_evaluations = 0\n[[external]]\nname = \"{name}\"\ncommand = [{command}, \"none\"]\n"
+    );
     fs::write(dir.join("settings.toml"), settings).expect("write");
     assert!(campaign(dir, "whole", &[]).status().expect("runs").success());
     let mut whole = files(&dir.join("whole"));

@@ -1,5 +1,6 @@
 //! Files of runs that have gigabytes are refused within a bounded memory. They are sparse: they take no room on the disk.
 
+use crate::campaigns::WITHOUT_CASES;
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::Command;
@@ -23,7 +24,7 @@ fn a_row_without_end_is_refused() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
     for run in ["was", "run"] {
-        let (code, err) = bounded(dir, &["campaign", "--pairs", "64", "--threads", "1", "--out", run]);
+        let (code, err) = bounded(dir, &["campaign", WITHOUT_CASES, "--pairs", "64", "--threads", "1", "--out", run]);
         assert_eq!(code, Some(0), "{err}");
     }
     let table = dir.join("run/findings.csv");
@@ -43,7 +44,7 @@ fn a_row_without_end_is_refused() {
 fn files_that_are_read_whole_are_refused_unread() {
     let dir = tempfile::tempdir().expect("a folder");
     let dir = dir.path();
-    let run = ["campaign", "--pairs", "64", "--threads", "1", "--out", "run"];
+    let run = ["campaign", WITHOUT_CASES, "--pairs", "64", "--threads", "1", "--out", "run"];
     let (code, err) = bounded(dir, &run);
     assert_eq!(code, Some(0), "{err}");
     for name in ["progress.json", "rockproof.manifest.json"] {

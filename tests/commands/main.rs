@@ -33,6 +33,7 @@ mod external_engines;
 mod gate_command;
 mod gate_formats;
 mod gate_leftovers;
+mod gate_limits;
 #[cfg(unix)]
 mod gate_regressions;
 mod gate_verdicts;

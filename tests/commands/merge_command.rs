@@ -132,14 +132,15 @@ fn what_engines_were_put_through_adds_up() {
 #[test]
 fn a_stress_set_is_put_together_with_its_tables() {
     let place = Campaigns::new("");
-    for (out, part) in [("whole", None), ("one", Some("1/2")), ("two", Some("2/2"))] {
-        let part = part.map_or(Vec::new(), |part| vec!["--part", part]);
-        place.works(&[&["campaign", "--stress", "--pairs", "1344", "--out", out], &part[..]].concat());
+    let (whole, _) = crate::stress_command::whole();
+    let whole = whole.to_str().expect("UTF-8");
+    for (out, part) in [("one", "1/2"), ("two", "2/2")] {
+        place.works(&["campaign", "--stress", "--pairs", crate::stress_command::PAIRS, "--out", out, "--part", part]);
     }
     assert!(!place.at("one/stress.csv").exists());
     place.merge(&["one".to_owned(), "two".to_owned()], "merged", &[]);
     assert!(place.at("merged/limits.csv").exists());
-    place.same("whole", "merged");
+    place.same(whole, "merged");
 }
 
 /// Changes what a part's `progress.json` says, and seals it again.
@@ -166,7 +167,7 @@ fn copy(from: &Path, to: &Path) {
 
 #[test]
 fn what_does_not_belong_together_is_refused_by_name() {
-    let small = "pairs = 96\nchunk = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nsteps_every = 0\n";
+    let small = "pairs = 96\nchunk = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nsteps_every = 0\nshrink_evaluations = 3\n";
     let place = Campaigns::new(small);
     let [one, two, three] = <[String; 3]>::try_from(place.parts(3, &[])).expect("three");
     let forged = |name: &str, from: &str, to: &str| {
@@ -232,7 +233,7 @@ fn input_files_that_changed_are_refused() {
     fs::write(place.at("mine.toml"), cube).expect("write");
     fs::write(
         place.at("campaign.toml"),
-        "pairs = 32\nfamilies = [\"real\"]\nreal = [\"mine.toml\"]\ntolerances = [\"auto\"]\nsteps_every = 0\n",
+        "pairs = 32\nfamilies = [\"real\"]\nreal = [\"mine.toml\"]\ntolerances = [\"auto\"]\nsteps_every = 0\nshrink_evaluations = 3\n",
     )
     .expect("write");
     let parts = place.parts(2, &[]);

@@ -1,5 +1,6 @@
 //! Pins what `report` reads, writes and refuses.
 
+use crate::campaigns::CASES_AS_FOUND;
 use crate::place::rockproof;
 use std::fs;
 use std::path::Path;
@@ -12,8 +13,8 @@ pub(crate) fn run() -> &'static Path {
         let dir = tempfile::tempdir().expect("a directory");
         let out = dir.path().join("small");
         let out = out.to_str().expect("text");
-        let (code, _, err) =
-            rockproof(&["campaign", "--pairs", "256", "--tolerances", "auto,shi,dyadic", "--out", out]);
+        let pairs = ["--pairs", "256", "--tolerances", "auto,shi,dyadic", "--out", out];
+        let (code, _, err) = rockproof(&[&["campaign", CASES_AS_FOUND], &pairs[..]].concat());
         assert_eq!(code, 0, "{err}");
         dir
     });
@@ -43,7 +44,8 @@ fn findings_of_an_external_engine_are_replayed_with_it() {
     let out = dir.path().join("run");
     let (path, mine) = (out.to_str().expect("text"), format!("mine={} sign", crate::engines::client()));
     let settings = ["--pairs", "64", "--family", "sliver", "--tolerances", "auto", "--engine", "mine"];
-    let (code, _, err) = rockproof(&[&["campaign", "--engine-command", &mine, "--out", path], &settings[..]].concat());
+    let (code, _, err) =
+        rockproof(&[&["campaign", CASES_AS_FOUND, "--engine-command", &mine, "--out", path], &settings[..]].concat());
     assert_eq!(code, 0, "{err}");
     assert_eq!(rockproof(&["report", path]).0, 0);
     let page = fs::read_to_string(out.join("report/report.html")).expect("a page");
@@ -372,7 +374,8 @@ fn says_always(answer: &str) -> (String, usize) {
     let out = dir.path().join("run");
     let out = out.to_str().expect("text");
     let engine = format!(r#"mine=sed -u -E 's/^."id":([0-9]+),.*/{{"id":\1,{answer}}}/'"#);
-    let campaign = ["campaign", "--pairs", "96", "--family", "face_stack", "--tolerances", "auto", "--out", out];
+    let pairs = ["--pairs", "96", "--family", "face_stack", "--tolerances", "auto", "--out", out];
+    let campaign = [&["campaign", CASES_AS_FOUND], &pairs[..]].concat();
     let (code, _, err) = rockproof(&[&campaign[..], &["--engine-command", &engine, "--engine", "mine"]].concat());
     assert_eq!(code, 0, "{err}");
     assert_eq!(rockproof(&["report", out]).0, 0);

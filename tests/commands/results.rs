@@ -1,15 +1,25 @@
 //! Pins what every command promises of a directory of results: nobody else's file is touched, one process at a time works there, and
 //! nothing damaged is gone on from.
 
-use crate::campaigns::files;
+use crate::campaigns::{CASES_AS_FOUND, files};
 use crate::place::rockproof_in;
 use crate::processes::{begin, until};
 use assert_cmd::Command;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const SLIVERS: [&str; 9] =
-    ["campaign", "--pairs", "192", "--family", "sliver,face_stack", "--tolerances", "auto", "--steps-every", "16"];
+const SLIVERS: [&str; 10] = [
+    "campaign",
+    CASES_AS_FOUND,
+    "--pairs",
+    "192",
+    "--family",
+    "sliver,face_stack",
+    "--tolerances",
+    "auto",
+    "--steps-every",
+    "16",
+];
 
 const SCENE: &str = r#"
 [tolerances]
@@ -277,7 +287,9 @@ fn a_grid_over_six_tolerances_has_files_of_bounded_names() {
     let factor = "[\"1234567890123456789/1234567890123456790\"]";
     let axes = ["search", "territory", "penetration", "overlap_sine", "parallel_sine", "equal"];
     let grid: String = axes.iter().map(|axis| format!("{axis} = {factor}\n")).collect();
-    let text = format!("pairs = 192\nfamilies = [\"sliver\"]\ntolerances = []\n[grid]\nbase = \"auto\"\n{grid}");
+    let text = format!(
+        "pairs = 192\nfamilies = [\"sliver\"]\ntolerances = []\nshrink_evaluations = 0\n[grid]\nbase = \"auto\"\n{grid}"
+    );
     fs::write(place.at("grid.toml"), text).expect("write");
     place.works(&["campaign", "grid.toml", "--out", "run"]);
     let cases: Vec<String> = fs::read_dir(place.at("run/cases"))

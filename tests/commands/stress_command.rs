@@ -2,10 +2,23 @@
 
 use crate::place::rockproof;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// One batch for each of the 84 cells.
-const PAIRS: &str = "1344";
+pub(crate) const PAIRS: &str = "1344";
+
+/// The directory of a run by two threads, made once, and the document that it printed.
+pub(crate) fn whole() -> (PathBuf, &'static str) {
+    static RUN: OnceLock<(tempfile::TempDir, String)> = OnceLock::new();
+    let (dir, document) = RUN.get_or_init(|| {
+        let dir = tempfile::tempdir().expect("a directory");
+        let (code, document, err) = run(&dir.path().join("whole"), &["--threads", "2", "--format", "json"]);
+        assert_eq!(code, 0, "{err}");
+        (dir, document)
+    });
+    (dir.path().join("whole"), document)
+}
 
 const TABLES: [&str; 3] = ["stress.csv", "limits.csv", "steps.csv"];
 
@@ -23,12 +36,11 @@ fn the_tables_are_those_kept_in_reports_and_do_not_depend_on_threads() {
     for word in ["safe to", "offset", "sliver", "contrast", "limits.csv"] {
         assert!(printed.contains(word), "{word}: {printed}");
     }
-    let (code, _, err) = run(&dir.path().join("two"), &["--threads", "2"]);
-    assert_eq!(code, 0, "{err}");
+    let (two, _) = whole();
     for table in TABLES {
         let read = |folder: &Path| fs::read_to_string(folder.join(table)).expect("a table");
         let one = read(&dir.path().join("one"));
-        assert_eq!(one, read(&dir.path().join("two")), "{table}");
+        assert_eq!(one, read(&two), "{table}");
         let kept = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/stress_quick"));
         assert_eq!(one, kept, "{table}: after a change that is meant, run reports/regenerate");
     }

@@ -1,6 +1,7 @@
 //! Names of files and directories that a terminal, a runner or a spreadsheet would obey: in JSON they are escaped as JSON has it, tables and pages
 //! of reports show them, and no tolerance set is called so.
 
+use crate::campaigns::CASES_AS_FOUND;
 use crate::gates::gate;
 use crate::place::rockproof_in;
 use crate::untrusted_input::{CASE, change, refused};
@@ -47,7 +48,8 @@ fn documents_hold_names_as_they_are() {
     let at = |name: &str| format!("{name} {out}");
     let (tuned, examined, stepped, exact) = (at("tuned"), at("examined"), at("stepped"), at("exact"));
     let (run, other, merged) = (at("run"), at("other"), at("merged"));
-    let campaign = ["campaign", "--pairs", "32", "--family", "sliver", "--tolerances", "auto", "--steps-every", "0"];
+    let pairs = ["--pairs", "32", "--family", "sliver", "--tolerances", "auto", "--steps-every", "0"];
+    let campaign = [&["campaign", CASES_AS_FOUND], &pairs[..]].concat();
     for (number, out) in [("1/2", "half 1"), ("2/2", "half 2")] {
         let (code, _, err) = rockproof_in(dir, &[&campaign[..], &["--part", number, "--out", &at(out)]].concat());
         assert_eq!(code, 0, "{err}");
@@ -71,7 +73,7 @@ fn documents_hold_names_as_they_are() {
         (&["compare", &run, &run], Some(&run)),
         (&["replay", &case], Some(NASTY)),
         (&["gate", "gate.toml", "--out", &at("gated")], Some(&corpus)),
-        (&["bench", "--quick"], None),
+        (&["bench", "--stack", "7", "--steps", "2"], None),
     ];
     for (arguments, name) in commands {
         let document = document(dir, arguments);
@@ -122,7 +124,8 @@ fn reports_show_the_names_of_runs() {
     let dir = dir.path();
     let (run, other) = (format!("run {NASTY}"), format!("other {NASTY}"));
     for (out, seed) in [(&run, "1"), (&other, "2")] {
-        let campaign = ["campaign", "--pairs", "64", "--family", "sliver", "--seed", seed, "--out", out];
+        let campaign =
+            ["campaign", CASES_AS_FOUND, "--pairs", "64", "--family", "sliver", "--seed", seed, "--out", out];
         let (code, _, err) = rockproof_in(dir, &campaign);
         assert_eq!(code, 0, "{err}");
     }

@@ -1,5 +1,6 @@
 //! `--weld` through the program: surfaces whose faces have corners of their own, a little apart, wherever a model is read.
 
+use crate::campaigns::WITHOUT_CASES;
 use crate::place::Place;
 use serde_json::Value;
 
@@ -65,6 +66,7 @@ fn campaigns_join_vertices_of_real_files() {
     place.file("soup.obj", &soup(1e-9));
     let args = [
         "campaign",
+        WITHOUT_CASES,
         "--pairs",
         "16",
         "--family",
@@ -84,7 +86,7 @@ fn campaigns_join_vertices_of_real_files() {
     let run: Value = serde_json::from_str(&place.read("found/run.json")).expect("JSON");
     assert_eq!((run["pairs"].as_u64(), !run["configuration"]["weld"].is_null()), (Some(16), true), "{run}");
     // The same, as a file says it; another distance is another run.
-    place.file("c.toml", "pairs = 16\nfamilies = [\"real\"]\nreal = [\"soup.obj\"]\nplanarity = 1e-6\nweld = 1e-8\ntolerances = [\"auto\"]\n");
+    place.file("c.toml", "cases_per_cause = 0\npairs = 16\nfamilies = [\"real\"]\nreal = [\"soup.obj\"]\nplanarity = 1e-6\nweld = 1e-8\ntolerances = [\"auto\"]\n");
     assert_eq!(place.run(&["campaign", "c.toml", "--out", "again"]).0, 0);
     assert_eq!(place.read("again/summary.csv"), place.read("found/summary.csv"));
     let (code, _, err) = place.run(&["campaign", "c.toml", "--out", "again", "--resume", "--weld", "1e-7"]);

@@ -10,6 +10,12 @@ use std::path::PathBuf;
 pub(crate) const SETTINGS: &str = "pairs = 250\nchunk = 48\nfamilies = [\"sliver\", \"edge_cross\", \"face_stack\"]\ntolerances = [\"auto\"]\n\
                         steps_every = 3\nsteps = 2\ncases_per_cause = 60\nshrink_evaluations = 3\n";
 
+/// Settings of campaigns of whose cases a test needs no small ones: to make a case smaller examines its pair hundreds of times.
+pub(crate) const CASES_AS_FOUND: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/cases_as_found.toml");
+
+/// Settings of campaigns of which a test reads no case: to write them takes most of the time even as they were found.
+pub(crate) const WITHOUT_CASES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/without_cases.toml");
+
 /// A folder of its own, with settings.
 pub(crate) struct Campaigns(Place);
 

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
 /// The Rust client.
 pub(crate) fn client() -> String {
@@ -27,13 +28,22 @@ pub(crate) fn built_example(name: &str) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Builds the C++ client as docs/engines.md says, warnings being errors, sums in the order written; `None` where there is no
+/// The C++ client, built once as docs/engines.md says, warnings being errors, sums in the order written; `None` where there is no
 /// compiler.
-pub(crate) fn cpp_client(dir: &Path) -> Option<String> {
+pub(crate) fn cpp_client() -> Option<String> {
+    static CLIENT: OnceLock<Option<tempfile::TempDir>> = OnceLock::new();
+    let dir = CLIENT.get_or_init(|| {
+        let dir = tempfile::tempdir().expect("a directory");
+        built_with_cpp(dir.path()).then_some(dir)
+    });
+    dir.as_ref().map(|dir| dir.path().join("client").to_string_lossy().into_owned())
+}
+
+fn built_with_cpp(dir: &Path) -> bool {
     let compiler = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
     if !there(&compiler) {
         skipped(&format!("there is no {compiler} to build examples/engines/client.cpp with"));
-        return None;
+        return false;
     }
     let built = Command::new(compiler)
         .args(["-std=c++17", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off", "-o", "client"])
@@ -42,7 +52,7 @@ pub(crate) fn cpp_client(dir: &Path) -> Option<String> {
         .output()
         .expect("runs");
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    Some(dir.join("client").to_string_lossy().into_owned())
+    true
 }
 
 /// A file under examples/engines.
