@@ -9,8 +9,8 @@ use crate::reading::{
 };
 use anyhow::Context;
 use rockproof_examine::{
-    CheckError, CheckedModel, Naming, Overlaps, StoredEnergy, in_seven_digits, unexplained_energy, violation_json,
-    violations_text,
+    BareEdge, CheckError, CheckedModel, Naming, Overlaps, StoredEnergy, bare_edges, in_seven_digits,
+    unexplained_energy, violation_json, violations_text,
 };
 use rockproof_model::text::noun;
 use rockproof_model::tolerance_rules::{self, Fall, Rule, Thin, Warning};
@@ -73,13 +73,16 @@ impl Check {
             falls.chain(thin).chain(model.warnings.iter().map(warning)).collect::<String>()
         };
         let stored_text = || warning_of_energy(&stored, &model.scene);
+        let bare = bare_edges(&model.scene, &model.set, &overlaps);
+        let bare_text = || warning_of_bare_edges(&bare, &model.scene);
         let unseen = || territory_that_sees(&overlaps, &model).unwrap_or_default();
-        let rest = || warnings() + &stored_text() + &overlaps.report(&model.scene) + &unseen();
+        let rest = || warnings() + &stored_text() + &bare_text() + &overlaps.report(&model.scene) + &unseen();
         self.format.print(rest, || {
             let mut document = model.json();
             document["touch_nothing"] = overlaps.lonely(model.scene.blocks.len()).into();
             document["rules_violated"] = model.violations.iter().map(violation_json).collect();
             document["overlaps"] = overlaps.json();
+            document["reflex_edges"] = bare.iter().map(BareEdge::json).collect();
             document["unexplained_energy"] = stored.iter().map(StoredEnergy::json).collect();
             document
         })?;
@@ -253,11 +256,25 @@ fn warning_of_energy(stored: &[StoredEnergy], scene: &Scene) -> String {
     let pairs = noun(stored.len(), "pair", "pairs");
     let (title, sentence, remedy) = (StoredEnergy::TITLE, worst.sentence(scene), StoredEnergy::remedy(scene));
     format!(
-        "\nwarning: {title}\n  (energy of the springs between two blocks) ≤ (force that presses them)·penetration\n\
+        "\nwarning: {title}\n  (energy of the springs between two blocks) ≤ F·min(penetration, 2F/p + s) + (energy of their motion)\n\
         \x20   found      {} {pairs}; the worst: {sentence}\n\
-        \x20   because    contacts that share a force F and are no deeper than penetration store no more than F·penetration\n\
+        \x20   because    of stiffness p, contacts that share the force F which presses the blocks together store no more than 2F²/p, even where it is laid on them suddenly, and no more than F·penetration where none is deeper; F·s lifts a block by s, a hundredth of its smallest side\n\
         \x20   satisfied  by {remedy}\n",
         stored.len()
+    )
+}
+
+/// Reflex edges on which blocks lie without a contact: the first, in the same form.
+fn warning_of_bare_edges(bare: &[BareEdge], scene: &Scene) -> String {
+    let Some(first) = bare.first() else { return String::new() };
+    let (count, edges) = (bare.len(), noun(bare.len(), "edge", "edges"));
+    let (title, sentence, reason, remedy) =
+        (BareEdge::TITLE, first.sentence(scene), BareEdge::REASON, first.remedy(scene));
+    format!(
+        "\nwarning: {title}\n  (reflex edges on which another block lies without a contact) = 0\n\
+        \x20   found      {count} {edges}; the first: {sentence}\n\
+        \x20   because    {reason}\n\
+        \x20   satisfied  by {remedy}\n"
     )
 }
 

@@ -18,10 +18,12 @@ use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
-use rockproof_examine::{AuditedRun, IntrusionRecorder, ignored_of_fixed, violation_json, violations_text};
+use rockproof_examine::{
+    AuditedRun, IntrusionRecorder, ignored_of_fixed, unused_laws, violation_json, violations_text,
+};
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, Solver, step_in_words};
-use rockproof_model::{Precision, Scene, ToleranceSet, tolerance_rules};
+use rockproof_model::{Number, Precision, Scene, ToleranceSet, tolerance_rules};
 use rockproof_oracle::step::KeptPrecision;
 use rockproof_report::table::counted;
 use rockproof_results::{Start, bounded};
@@ -234,6 +236,7 @@ impl Simulate {
             scene.simulation.control.solver = solver;
         }
         self.hold(&mut scene);
+        let unused = unused_laws(&scene);
         scene.derive_stiffness(&set);
         let violations = tolerance_rules::check_scene(&set, &scene, precision);
         if !violations.is_empty() && !self.force {
@@ -262,9 +265,7 @@ impl Simulate {
             let rules = counted(violated.len() as u64, "rule", "rules");
             print_note(&format!("running with {rules} violated: {}", violated.join("; ")));
         }
-        if let Some(ignored) = ignored_of_fixed(&scene) {
-            print_note(&ignored);
-        }
+        ignored_of_fixed(&scene).into_iter().chain(unused).for_each(|note| print_note(&note));
         if scene.fixed().into_iter().all(|is_fixed| is_fixed) {
             print_note("every block is fixed, so nothing will move");
         }
@@ -444,9 +445,10 @@ fn has_fixed_block(scene: &Scene) -> bool {
     scene.blocks.iter().any(|block| block.body.is_fixed())
 }
 
-/// Whether a model of several blocks falls as a whole, since nothing is fixed.
+/// Whether a model of several blocks falls as a whole, since there is gravity and nothing is fixed.
 fn is_loose(scene: &Scene) -> bool {
-    scene.blocks.len() > 1 && !has_fixed_block(scene) && scene.simulation.fixed_points.is_empty()
+    let has_gravity = scene.simulation.gravity.components().into_iter().any(|part| *part != Number::ZERO);
+    has_gravity && scene.blocks.len() > 1 && !has_fixed_block(scene) && scene.simulation.fixed_points.is_empty()
 }
 
 /// A bar on a terminal, a line now and then otherwise.

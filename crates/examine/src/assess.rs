@@ -1,5 +1,6 @@
 //! The work: a model under one set of tolerances, a search for another one, and the model under that.
 
+use crate::bare_edges::{BareEdge, bare_edges};
 use crate::checked::CheckedModel;
 use crate::error::ExamineError;
 use crate::extents::short;
@@ -52,6 +53,8 @@ pub struct Assessment {
     pub warnings: Vec<Warning>,
     /// The pairs whose springs store more at the start than weights and loads explain, the one furthest beyond it first.
     pub stored: Vec<StoredEnergy>,
+    /// Reflex edges on which another block lies where no contact is.
+    pub bare_edges: Vec<BareEdge>,
     /// The blocks that overlap.
     pub overlaps: Overlaps,
     /// Whether a block of a neighbouring pair can move: between fixed blocks nothing can go wrong.
@@ -92,7 +95,7 @@ impl Assessment {
 
     /// Whether nothing in the tolerances keeps what is wrong from being seen in a few steps, or at all.
     pub(crate) fn may_see_all(&self) -> bool {
-        self.thin.is_none() && self.warnings.is_empty() && self.stored.is_empty()
+        self.thin.is_none() && self.warnings.is_empty() && self.stored.is_empty() && self.bare_edges.is_empty()
     }
 
     /// Whether there were contacts to be wrong: blocks near one another at the start, or in the steps.
@@ -184,7 +187,19 @@ impl Work<'_> {
         };
         let has_moving_pair = any_moves(&pairs, &fixed);
         let stored = unexplained(model, &set, &overlaps, &steps);
-        Ok(Some(Assessment { set, violations, thin, warnings, stored, overlaps, has_moving_pair, pairs, steps }))
+        let bare_edges = bare_edges(&model.scene, &set, &overlaps);
+        Ok(Some(Assessment {
+            set,
+            violations,
+            thin,
+            warnings,
+            stored,
+            bare_edges,
+            overlaps,
+            has_moving_pair,
+            pairs,
+            steps,
+        }))
     }
 
     fn why_no_steps(&self, model: &CheckedModel, overlaps: &Overlaps) -> Option<String> {

@@ -1,6 +1,7 @@
 //! A model that could be read, with what the rules say of its tolerances.
 
 use crate::extents::Extents;
+use crate::unused_laws::unused_laws;
 use rockproof_model::simulation::Body;
 use rockproof_model::tolerance_rules::{self, BEYOND_F64, Fall, Thin, Warning};
 use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Vec3, Violation};
@@ -106,7 +107,8 @@ impl CheckedModel {
             },
         );
         let warnings = tolerance_rules::warnings(&set, &scene);
-        let notes = extents.unit_warning().into_iter().chain(ignored_of_fixed(&scene)).collect();
+        let notes =
+            extents.unit_warning().into_iter().chain(ignored_of_fixed(&scene)).chain(unused_laws(&scene)).collect();
         Ok(CheckedModel {
             file,
             scene,

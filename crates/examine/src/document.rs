@@ -1,6 +1,7 @@
 //! The examination as one JSON document (docs/formats.md).
 
 use crate::assess::{Assessment, Examination};
+use crate::bare_edges::BareEdge;
 use crate::checked::{tolerances_json, violation_json, warning_json};
 use crate::pairs::{ExaminedPair, PRECISIONS};
 use crate::recommend::Recommendation;
@@ -69,6 +70,7 @@ fn assessment(of: &Assessment, precision: Precision) -> Value {
         "warnings": of.warnings.iter().map(warning_json).collect::<Vec<_>>(),
         "overlaps": of.overlaps.json(),
         "unexplained_energy": of.stored.iter().map(StoredEnergy::json).collect::<Vec<_>>(),
+        "reflex_edges": of.bare_edges.iter().map(BareEdge::json).collect::<Vec<_>>(),
         "pairs_examined": of.pairs.len(),
         "f32": f32,
         "f64": f64,

@@ -85,8 +85,7 @@ impl Extents {
     /// What is wrong with coordinates of a file that has f32: two neighbouring ones are so far apart, where blocks are furthest from the origin, that they are more than a
     /// thousandth of the shortest edge. `scale` is what the file's lengths were multiplied by.
     pub fn coarse_f32(&self, scale: f64) -> Option<String> {
-        // Of a number from 2ⁿ up to 2ⁿ⁺¹ it is 2ⁿ⁻²³.
-        let spacing = |at: f64| (at / scale).log2().floor().exp2() * f64::from(f32::EPSILON) * scale;
+        let spacing = |at: f64| f32_spacing(at, scale);
         let is_coarse = |at: f64| spacing(at) > COARSE * self.shortest;
         is_coarse(self.furthest).then(|| {
             // From its own middle a block system is half as far away as it is long.
@@ -95,6 +94,17 @@ impl Extents {
             let [spacing, furthest, shortest] = [spacing(self.furthest), self.furthest, self.shortest].map(short);
             format!(
                 "the file has coordinates in f32, which at {furthest} m are {spacing} m apart, and the shortest edge is {shortest} m: export it {local}in double precision"
+            )
+        })
+    }
+
+    /// That single precision cannot hold the coordinates, as [`Extents::coarse_f32`] has it of a file's.
+    pub fn too_far_for_f32(&self) -> Option<String> {
+        let spacing = f32_spacing(self.furthest, 1.0);
+        (spacing > COARSE * self.shortest).then(|| {
+            let [spacing, furthest, shortest] = [spacing, self.furthest, self.shortest].map(short);
+            format!(
+                "f32 cannot hold these coordinates: at {furthest} m neighbouring ones are {spacing} m apart, and the shortest edge is {shortest} m"
             )
         })
     }
@@ -119,6 +129,11 @@ impl Extents {
             _ => None,
         }
     }
+}
+
+/// How far two neighbouring f32 are apart at a coordinate, in metres where lengths are multiplied by `scale`: from 2ⁿ up to 2ⁿ⁺¹ it is 2ⁿ⁻²³.
+fn f32_spacing(at: f64, scale: f64) -> f64 {
+    (at / scale).log2().floor().exp2() * f64::from(f32::EPSILON) * scale
 }
 
 /// Four digits, as short as can be.

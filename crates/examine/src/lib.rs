@@ -4,6 +4,7 @@
 //! answer in words, [`write()`] leaves page, tables, grid and cases in a directory. What a model is looked at with is a [`CheckedModel`].
 
 mod assess;
+mod bare_edges;
 mod cases;
 mod checked;
 mod deepest;
@@ -22,11 +23,13 @@ mod results;
 mod step_audit;
 mod steps;
 mod stored_energy;
+mod unused_laws;
 mod verdict;
 mod view;
 mod warning_lines;
 
 pub use assess::{Assessment, Examination, Settings, examine};
+pub use bare_edges::{BareEdge, bare_edges};
 pub use cases::{KeptCase, worst_cases};
 pub use checked::{
     BlockCounts, CheckError, CheckedModel, ignored_of_fixed, in_seven_digits, tolerances_json, violation_json,
@@ -46,4 +49,5 @@ pub use results::{FILES, WrittenFiles, findings_table, pair_table, tolerance_tab
 pub use step_audit::AuditedRun;
 pub use steps::{AuditedSteps, Steps};
 pub use stored_energy::{StoredEnergy, unexplained_energy};
+pub use unused_laws::unused_laws;
 pub use verdict::{Line, Verdict, mark};

@@ -2,7 +2,8 @@
 
 use crate::extents::short;
 use crate::overlaps::{Overlaps, pair_in_words};
-use crate::pressed_springs::{PressedSpring, at_start, cross, dot, length, minus, plus, released, vertex_of};
+use crate::pressed_springs::{PressedSpring, at_start, dot, length, plus, released};
+use rockproof_model::simulation::motion_energy;
 use rockproof_model::tolerance_rules::weights_borne;
 use rockproof_model::{Number, Scene, SceneBlock, ToleranceSet, Vec3};
 use rockproof_tune::hold_lowest;
@@ -173,7 +174,7 @@ impl<'s> Moving<'s> {
         let weight = near(&scene.simulation.gravity).map(|g| g * mass);
         let contacts = springs.iter().map(|spring| spring.force.map(|f| f * spring.side(block)));
         let unbalanced = settles.then(|| length(contacts.fold(plus(weight, load), plus)));
-        let motion_j = if settles { 0.0 } else { motion_energy(scene, block, mass, centroid) };
+        let motion_j = if settles { 0.0 } else { motion_energy(shape, &scene.blocks[block].body, mass) };
         let released_j = released(springs, block, centroid);
         let smallest_side = sides(scene, block).into_iter().fold(f64::INFINITY, f64::min);
         Moving { block, scene, mass, smallest_side, borne, load, released_j, motion_j, unbalanced }
@@ -202,26 +203,6 @@ impl<'s> Moving<'s> {
     fn is_held(&self, force: f64) -> bool {
         self.unbalanced.is_some_and(|unbalanced| unbalanced <= force)
     }
-}
-
-/// What a block moves and turns with in the scene (J): ½·m·v² + ½·ω·J·ω.
-fn motion_energy(scene: &Scene, block: usize, mass: f64, centroid: [f64; 3]) -> f64 {
-    let SceneBlock { block, body, .. } = &scene.blocks[block];
-    let (velocity, spin) = (near(&body.velocity), near(&body.spin));
-    // ∫|ω × x|² over the tetrahedra of the centroid and each triangle of the surface: of a quadratic form q, V/20·(Σ q(corner) + q(Σ corners)).
-    let (mut volume, mut integral) = (0.0, 0.0);
-    for face in block.topology().faces() {
-        let corners: Vec<[f64; 3]> = face.iter().map(|&vertex| minus(vertex_of(block, vertex), centroid)).collect();
-        for pair in corners[1..].windows(2) {
-            let triangle = [corners[0], pair[0], pair[1]];
-            let part = dot(triangle[0], cross(triangle[1], triangle[2])) / 6.0;
-            let square = |x: [f64; 3]| dot(cross(spin, x), cross(spin, x));
-            integral += part / 20.0
-                * (triangle.map(square).iter().sum::<f64>() + square(triangle.into_iter().fold([0.0; 3], plus)));
-            volume += part;
-        }
-    }
-    mass / 2.0 * (dot(velocity, velocity) + integral / volume)
 }
 
 fn near(vector: &Vec3<Number>) -> [f64; 3] {

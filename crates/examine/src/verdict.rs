@@ -82,8 +82,8 @@ impl Verdict {
             model(found, doubt.as_deref()),
             rules(&found.given, &found.model.scene, &found.name, precision),
             overlapping(&found.given),
-            differing(&found.given, precision, true),
-            differing(&found.given, other_than(precision), false),
+            differing(found, precision, true),
+            differing(found, other_than(precision), false),
             tolerances(&found.given),
             steps(&found.given),
         ];
@@ -193,6 +193,7 @@ fn reasons(found: &Examination, units: bool) -> String {
     }
     said.extend(given.warnings.iter().map(|warning| warning.kind.title().to_owned()));
     said.extend(given.stored.first().map(|worst| worst.sentence(scene)));
+    said.extend(given.bare_edges.first().map(|first| first.sentence(scene)));
     if said.is_empty() && !given.tries_contacts() {
         said.push(untouched(given, scene));
     }
@@ -257,13 +258,17 @@ fn overlapping(given: &Assessment) -> Line {
 }
 
 /// The pairs that differ in a precision; in the one that the model is to be safe in, broken ones are bad.
-fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
+fn differing(found: &Examination, precision: Precision, is_asked: bool) -> Line {
+    let given = &found.given;
+    let too_far = found.model.extents.too_far_for_f32().filter(|_| precision == Precision::F32);
+    let too_far = too_far.map_or(String::new(), |why| format!("; {why}"));
     let about = if precision == Precision::F64 { "f64" } else { "f32" };
     let [differ, broken] = given.differing(precision);
     let pairs = plural(given.pairs.len(), "neighbouring pair", "neighbouring pairs");
     let verb = noun(given.pairs.len(), "differs", "differ");
     if differ == 0 {
-        return line(about, good(given), format!("0 of {pairs} {verb} from the exact contacts"));
+        let severity = if too_far.is_empty() { good(given) } else { Severity::Fair };
+        return line(about, severity, format!("0 of {pairs} {verb} from the exact contacts{too_far}"));
     }
     let sum =
         |of: fn(&ExaminedPair, Precision) -> u64| grouped(given.pairs.iter().map(|pair| of(pair, precision)).sum());
@@ -274,7 +279,7 @@ fn differing(given: &Assessment, precision: Precision, is_asked: bool) -> Line {
     let beyond = if broken == 0 { "none".to_owned() } else { grouped(broken as u64) };
     let text = format!(
         "{} of {pairs} {verb} from the exact contacts, {beyond} by more than rounding explains (contacts that differ: {rounding} by rounding the input, \
-         {arithmetic} by arithmetic, {defects} by mistakes in code)",
+         {arithmetic} by arithmetic, {defects} by mistakes in code){too_far}",
         grouped(differ as u64)
     );
     line(about, severity, text)

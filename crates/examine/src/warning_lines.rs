@@ -10,7 +10,7 @@ use rockproof_report::verdict::Severity;
 /// All of them.
 pub(crate) fn warning_lines(found: &Examination) -> impl Iterator<Item = Line> {
     let of_set = found.given.warnings.iter().map(tolerances_or_load);
-    fall(found).into_iter().chain(thin(found)).chain(stored(found)).chain(of_set)
+    fall(found).into_iter().chain(thin(found)).chain(stored(found)).chain(bare_edges(found)).chain(of_set)
 }
 
 fn fall(found: &Examination) -> Option<Line> {
@@ -43,6 +43,16 @@ fn stored(found: &Examination) -> Option<Line> {
     let text =
         format!("{}{more}: use {}", worst.sentence(&found.model.scene), StoredEnergy::remedy(&found.model.scene));
     Some(line("energy", Severity::Fair, text))
+}
+
+fn bare_edges(found: &Examination) -> Option<Line> {
+    let all = &found.given.bare_edges;
+    let (first, scene) = (all.first()?, &found.model.scene);
+    let more = match all.len() - 1 {
+        0 => String::new(),
+        count => format!(" (the first of {})", plural(count + 1, "such edge", "such edges")),
+    };
+    Some(line("reflex", Severity::Fair, format!("{}{more}: {}", first.sentence(scene), first.remedy(scene))))
 }
 
 fn tolerances_or_load(warning: &Warning) -> Line {

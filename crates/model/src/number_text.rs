@@ -128,6 +128,14 @@ impl fmt::Display for Number {
     }
 }
 
+/// For a message: the shortest decimal that rounds to the number where that is an f64, else the fraction that it is.
+pub(crate) fn decimal(number: &Number) -> String {
+    match number.as_f64() {
+        Some(value) => format!("{value:?}").trim_end_matches(".0").to_owned(),
+        None => shown(&number.to_string()),
+    }
+}
+
 fn text_of_f64(value: f64) -> String {
     let decimal = format!("{value:?}");
     let decimal = decimal.strip_suffix(".0").unwrap_or(&decimal);

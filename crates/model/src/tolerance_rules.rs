@@ -2,11 +2,16 @@
 //!
 //! [`check`] knows blocks alone; [`check_scene`] also knows what they weigh and how stiff their joints are.
 
+mod column;
 mod extremes;
 mod fall;
+mod hanging;
 mod largest;
 mod load;
+mod pressing;
+mod properties;
 mod remedy;
+mod speed;
 mod stiffness;
 mod strain;
 mod thin;

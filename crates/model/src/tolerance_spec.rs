@@ -2,7 +2,7 @@
 
 use crate::block::Block;
 use crate::number::{Number, NumberError, Precision};
-use crate::number_text::shown;
+use crate::number_text::{decimal, shown};
 use crate::preset::{self, Preset, PresetError, sine_of_degrees};
 use crate::tolerance::{Criteria, ToleranceSet};
 
@@ -175,7 +175,7 @@ impl ToleranceSpec {
     /// When the name is unknown or the value not allowed.
     pub fn set_number(&mut self, name: &str, number: Number) -> Result<(), SpecError> {
         let name = known(name)?;
-        let refuse = |allowed| SpecError::NotAllowed { name, found: number.to_string(), allowed };
+        let refuse = |allowed| SpecError::NotAllowed { name, found: decimal(&number), allowed };
         let one = Number::from_integer(1);
         let overflow = NumberError::Overflow { found: shown(&number.to_string()), precision: Precision::F64 };
         if number.rounded(Precision::F64).is_none() {

@@ -2,7 +2,7 @@
 
 use crate::block::{BlockError, Point};
 use crate::number::{Number, NumberError};
-use crate::number_text::shown;
+use crate::number_text::{decimal, shown};
 use crate::scene::SceneFormat;
 use crate::tolerance_spec::SpecError;
 use std::fmt;
@@ -169,14 +169,6 @@ impl fmt::Display for VertexPlace {
             Some(line) => write!(f, " in line {line}"),
             None => Ok(()),
         }
-    }
-}
-
-/// A coordinate as a decimal, or as the fraction that it is.
-pub(super) fn decimal(number: &Number) -> String {
-    match number.as_f64() {
-        Some(value) => format!("{value:?}").trim_end_matches(".0").to_owned(),
-        None => shown(&number.to_string()),
     }
 }
 

@@ -225,6 +225,16 @@ impl Scene {
         self.blocks.iter_mut().for_each(|block| shapes.share(&mut block.block));
     }
 
+    /// The pairs of joint materials that two blocks have, the lower place first, in ascending order; those of two fixed blocks too.
+    pub fn joint_pairs(&self) -> Vec<[usize; 2]> {
+        let mut counts = vec![0_usize; self.simulation.joints.names.len()];
+        self.blocks.iter().for_each(|block| counts[block.body.joint] += 1);
+        let present: Vec<usize> = (0..counts.len()).filter(|&joint| counts[joint] > 0).collect();
+        let from = |(place, &one): (usize, &usize)| present[place..].iter().map(move |&other| [one, other]);
+        let pairs = present.iter().enumerate().flat_map(from);
+        pairs.filter(|&[one, other]| one != other || counts[one] > 1).collect()
+    }
+
     /// Whether each block is fixed, in order.
     pub fn fixed(&self) -> Vec<bool> {
         self.blocks.iter().map(|b| b.body.is_fixed()).collect()

@@ -3,11 +3,13 @@
 
 mod control;
 mod joint;
+mod motion_energy;
 mod skips;
 mod stiffness;
 
 pub use control::{Control, Kinematics, Solver, Unconverged, step_in_words};
 pub use joint::{JointPair, JointProperties, Joints, tangent_of_degrees};
+pub use motion_energy::motion_energy;
 pub use skips::Skips;
 pub use stiffness::derive_stiffness;
 pub(crate) use stiffness::{MovingBlock, derive_stiffness_of, moving_blocks, smallest_face};

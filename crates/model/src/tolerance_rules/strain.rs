@@ -1,33 +1,24 @@
-//! Whether a block is squashed by its weight, by the blocks above it or by loads, as where `young` is given in GPa: an estimate.
+//! Whether a block is squashed by its weight, by the blocks above it, by loads or by its initial stress, as where `young` is given in GPa: an estimate.
 
-use super::load::{Column, Plans, borne, total};
+use super::column::{Column, Plans, borne, total};
 use super::six_digits;
 use super::warning::{Warning, WarningKind};
+use crate::number::Number;
 use crate::scene::Scene;
 use crate::simulation::Motion;
 
-/// The greatest strain that what a block bears may give it: strains are taken for small, and rock breaks before.
-const MAX_STRAIN: f64 = 0.01;
+/// The greatest strain that what a block bears, or its initial stress, may give it: strains are taken for small, and rock breaks before.
+pub(super) const MAX_STRAIN: f64 = 0.01;
 
-/// The deformable block that is squashed most by what it bears, over the area of its plan, if its strain (F − W/2)/(A·E) is more than [`MAX_STRAIN`]: half of
-/// its own weight W lies below its middle, whose strain the whole block has. Of a box that bears nothing else it is ρ·g·h/(2E). `columns` are those of [`loaded_columns`](super::load::loaded_columns). An estimate as that of [`load`](super::load::load).
-pub(super) fn strain(scene: &Scene, columns: &[Column]) -> Option<Warning> {
-    let stiffness = |block: usize| {
-        let body = &scene.blocks[block].body;
-        let young = scene.simulation.materials[body.material].young.approximate();
-        (body.motion == Motion::Deformable).then(|| young * columns[block].shared(&columns[block]))
-    };
-    let deformable = || (0..columns.len()).filter_map(|block| Some((block, stiffness(block).filter(|s| *s > 0.0)?)));
-    // Most scenes could bear all of it anywhere.
-    let softest = deformable().map(|(_, stiffness)| stiffness).fold(f64::INFINITY, f64::min);
-    let total = total(columns);
-    if total.is_nan() || total <= MAX_STRAIN * softest {
-        return None;
-    }
-    let plans = Plans::of(columns);
-    let middle = |one: &Column| borne(columns, &plans, one) - one.weight.unwrap_or(0.0) / 2.0;
-    let strains = deformable().map(|(block, stiffness)| (block, middle(&columns[block]) / stiffness));
-    let (block, found) = strains.reduce(|most, next| if next.1 > most.1 { next } else { most })?;
+/// The deformable block that is strained most, if that is more than [`MAX_STRAIN`]: by what it bears, or by its initial stress where nothing holds that. An estimate as that of [`load`](super::load::load), along the same `directions`.
+///
+/// What a block bears, over the area of its plan, strains it by (F − W/2)/(A·E): half of its own weight W lies below its middle, whose strain the whole block has. Of a box
+/// that bears nothing else it is ρ·g·h/(2E). An initial stress σ strains a block that is free to expand by about |σ|/E, |σ| being the Frobenius
+/// norm: exactly so where there is one principal stress, and along no principal axis by more than √(1 + 2ν²) times that.
+pub(super) fn strain(scene: &Scene, directions: &[Vec<Column>]) -> Option<Warning> {
+    let borne = directions.iter().filter_map(|columns| most_squashed(scene, columns));
+    let stressed = deformable(scene).map(|(block, young)| (block, stress(scene, block) / young));
+    let (block, found) = borne.chain(stressed).reduce(|most, next| if next.1 > most.1 { next } else { most })?;
     if found <= MAX_STRAIN || !found.is_finite() {
         return None;
     }
@@ -36,9 +27,40 @@ pub(super) fn strain(scene: &Scene, columns: &[Column]) -> Option<Warning> {
     Some(Warning { kind: WarningKind::Strain, block: Some(block), found, allowed: MAX_STRAIN, remedy })
 }
 
+/// The deformable blocks with Young's modulus of each (Pa).
+pub(super) fn deformable(scene: &Scene) -> impl Iterator<Item = (usize, f64)> {
+    let young = |material: usize| scene.simulation.materials[material].young.approximate();
+    let all = scene.blocks.iter().enumerate().filter(|(_, one)| one.body.motion == Motion::Deformable);
+    all.map(move |(block, one)| (block, young(one.body.material)))
+}
+
+/// The block that is squashed most by what it bears along a direction; `None` where all could bear it.
+fn most_squashed(scene: &Scene, columns: &[Column]) -> Option<(usize, f64)> {
+    let stiffness = |(block, young): (usize, f64)| (block, young * columns[block].shared(&columns[block]));
+    let stiffnesses = || deformable(scene).map(stiffness).filter(|(_, stiffness)| *stiffness > 0.0);
+    // Most scenes could bear all of it anywhere.
+    let softest = stiffnesses().map(|(_, stiffness)| stiffness).fold(f64::INFINITY, f64::min);
+    let total = total(columns);
+    if total.is_nan() || total <= MAX_STRAIN * softest {
+        return None;
+    }
+    let plans = Plans::of(columns);
+    let middle = |one: &Column| borne(columns, &plans, one) - one.weight.unwrap_or(0.0) / 2.0;
+    let strains = stiffnesses().map(|(block, stiffness)| (block, middle(&columns[block]) / stiffness));
+    strains.reduce(|most, next| if next.1 > most.1 { next } else { most })
+}
+
+/// The Frobenius norm of a block's initial stress (Pa).
+fn stress(scene: &Scene, block: usize) -> f64 {
+    let squares = |parts: &[Number]| parts.iter().map(|part| part.approximate().powi(2)).sum::<f64>();
+    let (normal, shear) = scene.blocks[block].body.stress.split_at(3);
+    (squares(normal) + 2.0 * squares(shear)).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::load::loaded_columns;
+    use super::super::column::ColumnSource;
+    use super::super::pressing::loaded_columns;
     use super::*;
     use crate::{Block, Number, SceneBlock, ToleranceSet, Vec3};
 
@@ -51,7 +73,10 @@ mod tests {
             scene.blocks.push(SceneBlock::new("cube", cuboid([0, 0, z], [1, 1, z + 1])));
         }
         scene.simulation.gravity = at([0, 0, -10]);
-        let squashed = |scene: &Scene| strain(scene, &loaded_columns(&ToleranceSet::ZERO, scene).unwrap());
+        let squashed = |scene: &Scene| {
+            let set = ToleranceSet::ZERO;
+            strain(scene, &loaded_columns(&ColumnSource::of(&set, scene), &set, scene))
+        };
         let mut of_young = |young: i32, motion: Motion| {
             scene.simulation.materials[0].density = Number::from_integer(2500);
             scene.simulation.materials[0].young = Number::from_integer(young);

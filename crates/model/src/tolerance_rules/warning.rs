@@ -1,7 +1,12 @@
 //! Warnings beside the rules of SPEC section 3: tolerances of modes that keep contacts from closing or opening, and weights and loads that contacts or blocks cannot bear.
 
 use super::RequiredValue;
-use super::load::{load, loaded_columns};
+use super::column::ColumnSource;
+use super::hanging::hanging;
+use super::load::load;
+use super::pressing::loaded_columns;
+use super::properties::{density, friction};
+use super::speed::speed;
 use super::strain::strain;
 use crate::number::Number;
 use crate::scene::Scene;
@@ -19,8 +24,16 @@ pub enum WarningKind {
     Equal,
     /// A block at rest would sink under the blocks above it or under loads deeper than `penetration`.
     Load,
-    /// A deformable block would be strained by more than a hundredth by what it bears.
+    /// A deformable block would be strained by more than a hundredth by what it bears, or by its initial stress.
     Strain,
+    /// A block that the scene sets in motion would be stopped deeper than `penetration`.
+    Speed,
+    /// A block's fixed points alone hold it, and it would move by more than half of its smallest side before they do.
+    Hanging,
+    /// A friction of more than 5.
+    Friction,
+    /// A density outside 100 to 10,000 kg/m³.
+    Density,
 }
 
 impl WarningKind {
@@ -32,6 +45,10 @@ impl WarningKind {
             WarningKind::Equal => "equal",
             WarningKind::Load => "load",
             WarningKind::Strain => "strain",
+            WarningKind::Speed => "speed",
+            WarningKind::Hanging => "hanging",
+            WarningKind::Friction => "friction",
+            WarningKind::Density => "density",
         }
     }
 
@@ -42,7 +59,11 @@ impl WarningKind {
             WarningKind::Open => "closed contacts may be lost before they open",
             WarningKind::Equal => "contacts may keep their mode however far blocks move",
             WarningKind::Load => "a block may sink deeper than penetration under the blocks above it or under loads",
-            WarningKind::Strain => "a block may be squashed by its weight or by loads",
+            WarningKind::Strain => "a block may be squashed by its weight, by loads or by its initial stress",
+            WarningKind::Speed => "a block that moves when time begins may be stopped only deeper than penetration",
+            WarningKind::Hanging => "a block may fall, since its fixed points alone hold it and are too soft",
+            WarningKind::Friction => "friction may be an angle: it is tan φ, and no rock has so much",
+            WarningKind::Density => "a density may be in another unit: it is in kg/m³, and no rock has this one",
         }
     }
 
@@ -55,7 +76,15 @@ impl WarningKind {
             WarningKind::Load => {
                 "(weight of a block, of those above it, and loads)/(normal_stiffness·corners of its smallest face) ≤ penetration"
             }
-            WarningKind::Strain => "(weight of a block, of those above it, and loads)/(young·area of its plan) ≤ 1/100",
+            WarningKind::Strain => {
+                "(weight of a block, of those above it, and loads)/(young·area of its plan) ≤ 1/100, and (initial stress)/young ≤ 1/100"
+            }
+            WarningKind::Speed => "(depth at which one contact stops a block's given velocity and spin) ≤ penetration",
+            WarningKind::Hanging => {
+                "(weight of a block, of those above it, and loads)/(stiffness of its fixed points) ≤ (smallest side of the block)/2"
+            }
+            WarningKind::Friction => "friction ≤ 5",
+            WarningKind::Density => "100 ≤ density ≤ 10,000 (kg/m³)",
         }
     }
 
@@ -70,10 +99,22 @@ impl WarningKind {
             }
             WarningKind::Equal => "a contact's mode stays where its gap is no larger than equal times the gap before",
             WarningKind::Load => {
-                "a block on its smallest face bears what stands above it, here each block above by the share of its plan that is over this one"
+                "a block on its smallest face bears what stands above it, here each block above by the share of its plan that is over this one; a load presses along gravity, and on faces that something stands against"
             }
             WarningKind::Strain => {
                 "strains are taken for small, and rock breaks long before: young is in Pa, so 50 GPa are 50e9"
+            }
+            WarningKind::Speed => {
+                "the contact takes p·d²/2 = E + W·d, with p the normal stiffness, E the energy of the motion and W the weight; where n contacts share it none is as deep"
+            }
+            WarningKind::Hanging => {
+                "no other block stands against the force, so it is borne by springs of fixed points alone"
+            }
+            WarningKind::Friction => {
+                "the friction of rock is below 2 (63°); 30° are `friction_angle = 30`, or friction = 0.577"
+            }
+            WarningKind::Density => {
+                "rock has 1,500 to 3,500 kg/m³; in g/cm³, t/m³ or kN/m³ the same density is a far smaller number"
             }
         }
     }
@@ -119,9 +160,11 @@ pub fn warnings(set: &ToleranceSet, scene: &Scene) -> Vec<Warning> {
         no_more(WarningKind::Open, &set.open, &set.search),
         equal,
     ];
-    let columns = loaded_columns(set, scene);
-    let borne = columns.map_or([None, None], |columns| [load(set, scene, &columns), strain(scene, &columns)]);
-    modes.into_iter().chain(borne).flatten().collect()
+    let source = ColumnSource::of(set, scene);
+    let directions = loaded_columns(&source, set, scene);
+    let borne = [load(set, scene, &directions), strain(scene, &directions), speed(set, scene, &source)];
+    let given = [hanging(set, scene, &source), friction(scene), density(scene)];
+    modes.into_iter().chain(borne).chain(given).flatten().collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::body::{BlockReference, BodyProperties, KEYS};
 use super::lines::{Allowed, Lines, Value};
 use crate::block::Point;
 use crate::number::Number;
-use crate::number_text::shown;
+use crate::number_text::{decimal, shown};
 use crate::scene::SceneBlock;
 use crate::scene::error::SceneProblem;
 use crate::scene::tokens::Located;
@@ -166,7 +166,7 @@ impl Lines {
         for row in self.array(rows, what)? {
             let [time, x, y, z] = self.numbers(row, &format!("a row of {what}"), "number")?;
             if let Some((before, _)) = table.last().filter(|(before, _)| *before >= time) {
-                let (found, before) = (shown(&time.to_string()), shown(&before.to_string()));
+                let (found, before) = (decimal(&time), decimal(before));
                 let allowed = format!("more than the time before it, {before}");
                 return Err(self.not_allowed(row, &format!("a time in {what}"), &found, allowed));
             }

@@ -1,7 +1,7 @@
 //! The values of a scene file with the lines they stand on: what every part of the reader asks of them.
 
 use crate::number::{Number, NumberError, Precision};
-use crate::number_text::shown;
+use crate::number_text::{decimal, shown};
 use crate::scene::error::SceneProblem;
 use crate::scene::tokens::Located;
 use crate::vector::Vec3;
@@ -212,7 +212,7 @@ impl Lines {
         if allowed.holds(&number) {
             return Ok(number);
         }
-        Err(self.not_allowed(value, what, &shown(&number.to_string()), allowed.text().to_string()))
+        Err(self.not_allowed(value, what, &decimal(&number), allowed.text().to_string()))
     }
 
     /// The number of a key, where it is there.

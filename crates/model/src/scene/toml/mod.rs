@@ -12,7 +12,8 @@ pub(super) use body::BodyProperties;
 
 use crate::block::Point;
 use crate::number::Number;
-use crate::scene::error::{SceneProblem, decimal};
+use crate::number_text::decimal;
+use crate::scene::error::SceneProblem;
 use crate::scene::raw::FeatureLines;
 use crate::scene::tokens::Located;
 use crate::simulation::Simulation;
