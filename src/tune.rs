@@ -38,7 +38,7 @@ use std::time::{Duration, Instant};
   rockproof tune slope.toml --candidates 200 --resume
   mpirun -n 8 rockproof tune slope.toml --candidates 200 --mpi --threads 1
 
-Exit status: 0 done, 1 no set kept every rule without a difference, 2 usage or input error, 130 interrupted (go on with --resume).")]
+Exit status: 0 done, 1 no set kept every rule without a difference and every block from sinking deeper than `penetration`, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Tune {
     #[arg(help = model_help(), value_hint = clap::ValueHint::FilePath)]
     file: InputFile,
@@ -284,6 +284,7 @@ fn candidate_json(candidate: &EvaluatedCandidate) -> Value {
         "pairs_on_boundary": pairs(m.differences.boundary),
         "contacts_changed_by_tolerances": m.differences.changed,
         "steps": m.steps_measured.steps,
+        "steps_deep": m.steps_measured.deep,
         "unconverged": m.steps_measured.unconverged,
         "stopped": m.steps_measured.stopped,
         "sunk_m": m.steps_measured.overlaps.sunk,

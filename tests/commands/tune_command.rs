@@ -161,6 +161,128 @@ fn a_set_that_loses_a_pair_of_the_model_is_not_recommended_beside_one_that_loses
     assert!(code == 1 && printed.contains("Overlaps of the model: 1, of which 1 is deeper"), "{printed}{err}");
 }
 
+/// A block of 1 m between a fixed wall and a load that presses it 25 cm deep against four springs of 1 GN/m.
+const PRESSED: &str = r#"
+[simulation]
+gravity = [0, 0, 0]
+time_step = "1/100"
+steps = 20
+dynamic = 0
+
+[[joint]]
+friction = 0
+normal_stiffness = 1e9
+
+[[block]]
+fixed = true
+box = { min = [0, -2, -2], max = [1, 2, 2] }
+
+[[block]]
+box = { min = [-1, 0, 0], max = [0, 1, 1] }
+
+[[load]]
+block = 1
+at = [-1, "1/2", "1/2"]
+force = [1e9, 0, 0]
+"#;
+
+/// The steps of a small scene are those that `simulate` makes: with its `dynamic` and without settling that it does not have.
+#[test]
+fn a_whole_scene_is_stepped_as_simulate_steps_it() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let moving = PRESSED.replace("dynamic = 0", "dynamic = \"1/2\"\nsettle = 3");
+    for (name, text, told) in [
+        ("pressed", PRESSED.to_owned(), "without settling, as the scene has none"),
+        ("moving", moving.clone(), "after 3 of settling, as the scene has it"),
+        ("settled", moving.replace("settle = 3", "settle = 7"), "after 5 of the 7 settling steps of the scene"),
+    ] {
+        let [scene, run, out] = [".toml", "-run", "-out"].map(|end| path(dir.path(), &format!("{name}{end}")));
+        fs::write(&scene, text).expect("write");
+        let (code, printed, err) = rockproof(&["tune", &scene, "--candidates", "1", "--steps", "20", "--out", &out]);
+        assert!(code == 1 && printed.contains(told), "{code} {printed}{err}");
+        assert!(printed.contains("steps that do not converge are accepted and counted"), "{printed}");
+        let row = &rows(&out)[0];
+        if name == "settled" {
+            continue;
+        }
+        let (code, printed, err) = rockproof(&["simulate", &scene, "--format", "json", "--out", &run]);
+        let document: serde_json::Value = serde_json::from_str(&printed).unwrap_or_else(|why| panic!("{why} {err}"));
+        assert_eq!(code, 0, "{printed}");
+        let [deepest, deep] = ["deepest", "steps_deep"].map(|name| &document["audit"][name]);
+        let sunk = deepest["depth_m"].as_f64().expect("a depth");
+        assert!((number(row, "sunk_m") - sunk).abs() < 1e-12, "{name}: {} {sunk}", row["sunk_m"]);
+        assert_eq!(number(row, "steps_deep"), deep.as_f64().expect("a count"), "{name}");
+    }
+}
+
+/// Where the load presses the block deeper than `penetration`, whatever the set, no set is without fault.
+#[test]
+fn blocks_that_sink_deeper_than_penetration_are_told() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let (scene, out) = (path(dir.path(), "pressed.toml"), path(dir.path(), "out"));
+    fs::write(&scene, PRESSED).expect("write");
+    let (code, printed, err) = rockproof(&["tune", &scene, "--candidates", "5", "--steps", "20", "--out", &out]);
+    let told = "Blocks sink deeper than `penetration`, 2.000e-2 m, after 1";
+    let why = "no contact holds them that was not closed before. So they do under every set tried: joints are too soft";
+    assert!(code == 1 && printed.contains(told) && printed.contains(why), "{code} {printed}{err}");
+    assert!(printed.contains("| steps with blocks sunk deeper than penetration | 1"), "{printed}");
+    assert!(printed.contains("- 5 candidates: all given\n"), "{printed}");
+    // With a hundredth of the load nothing is that deep.
+    fs::write(&scene, PRESSED.replace("force = [1e9,", "force = [1e7,")).expect("write");
+    let light = path(dir.path(), "light");
+    let args = ["tune", &scene, "--candidates", "6", "--steps", "20", "--format", "json", "--out", &light];
+    let (code, printed, err) = rockproof(&args);
+    let document: serde_json::Value = serde_json::from_str(&printed).unwrap_or_else(|why| panic!("{why} {err}"));
+    assert_eq!((code, &document["clean"], &document["recommended"]["steps_deep"]), (0, &true.into(), &0.into()));
+    let text = fs::read_to_string(Path::new(&light).join("tune.md")).expect("a text");
+    assert!(text.contains("- 6 candidates: 5 given, the others drawn") && !text.contains("Blocks sink"), "{text}");
+}
+
+/// A slab that slides down an incline of 3-4-5, turned into the plane z = 0, with a block on it.
+const SLIDER: &str = r#"
+[simulation]
+gravity = ["-6", "0", "-8"]
+time_step = "1/200"
+time = "1/2"
+settle = 5
+[[material]]
+name = "m"
+density = "2500"
+young = "50000000000"
+[[joint]]
+friction = "1/2"
+normal_stiffness = "1000000000"
+[[block]]
+name = "incline"
+motion = "fixed"
+vertices = [["-10", "-2", "-1"], ["4", "-2", "-1"], ["4", "2", "-1"], ["-10", "2", "-1"], ["-10", "-2", "0"], ["4", "-2", "0"], ["4", "2", "0"], ["-10", "2", "0"]]
+faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+[[block]]
+name = "slider"
+motion = "deformable"
+vertices = [["0", "0", "0"], ["2", "0", "0"], ["2", "1", "0"], ["0", "1", "0"], ["0", "0", "1/2"], ["2", "0", "1/2"], ["2", "1", "1/2"], ["0", "1", "1/2"]]
+faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+[[block]]
+name = "rider"
+motion = "deformable"
+vertices = [["0", "0", "1/2"], ["1", "0", "1/2"], ["1", "1", "1/2"], ["0", "1", "1/2"], ["0", "0", "5/4"], ["1", "0", "5/4"], ["1", "1", "5/4"], ["0", "1", "5/4"]]
+faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+"#;
+
+/// In f64 blocks sink by amounts under different sets that are the same in the digits shown.
+#[test]
+fn what_looks_the_same_is_not_told_as_a_difference() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let (scene, out) = (path(dir.path(), "slider.toml"), path(dir.path(), "out"));
+    fs::write(&scene, SLIDER).expect("write");
+    let (_, printed, err) = rockproof(&["tune", &scene, "--candidates", "5", "--out", &out]);
+    let rows = rows(&out);
+    let [theirs, ours] = [&rows[0], best(&rows)].map(|row| number(row, "sunk_m"));
+    let [one, other] = [theirs, ours].map(|sunk| format!("{sunk:.3e}"));
+    assert!(theirs != ours && one == other, "{theirs} {ours} {err}");
+    assert!(printed.contains("The author's set:") && !printed.contains("- lets blocks sink"), "{printed}");
+}
+
 #[test]
 fn bad_input_exits_with_2() {
     let dir = tempfile::tempdir().expect("a directory");

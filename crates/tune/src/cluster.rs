@@ -12,6 +12,9 @@ const MAX_BLOCKS: usize = 14;
 /// Contacts of a cluster at most, if fewer blocks have fewer: an exact step takes time for each of them, and more than in proportion.
 const MAX_CONTACTS: usize = 192;
 
+/// Settling steps of a cluster at most: where the oracle is asked, it makes these too.
+const MAX_SETTLING: u32 = 5;
+
 /// What holds a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClusterSupport {
@@ -78,7 +81,8 @@ pub(super) fn neighbours(scene: &Scene) -> Vec<[usize; 2]> {
 impl Cluster {
     /// The cluster around the block that has the most contacts of those that can move, the first of several; the whole scene where that
     /// is small. Where nothing in the whole scene is fixed, its lowest blocks are held, or the largest; where nothing in a part is, the further
-    /// two thirds of it. Of a part with many contacts fewer blocks are taken. `neighbours` may touch; contacts are those under `set`.
+    /// two thirds of it. Of a part with many contacts fewer blocks are taken. `neighbours` may touch; contacts are those under `set`. The part settles for no more than 5
+    /// steps, and goes on where a step does not converge; all else of `[simulation]` is the scene's.
     pub fn of(scene: &Scene, neighbours: &[[usize; 2]], set: &ToleranceSet) -> Cluster {
         let count = scene.blocks.len();
         let contacts = contacts(scene, neighbours, set);
@@ -158,8 +162,8 @@ impl Cluster {
         });
         part.simulation.measured_points.clear();
         let control = &mut part.simulation.control;
-        control.settle = control.settle.clamp(2, 5);
-        control.dynamic = Number::from_integer(1);
+        control.settle = control.settle.min(MAX_SETTLING);
+        // Counted, so that sets under which a step fails can be told apart.
         control.unconverged = Unconverged::Accept;
         Cluster { scene: part, members: members.to_vec(), is_whole, held, contacts: 0 }
     }

@@ -32,11 +32,11 @@ pub struct Measurement {
 }
 
 /// The order of merit; smaller is better. See [`Measurement::merit`].
-pub(super) type Merit = (bool, usize, [u64; 2], [u64; 3], u64, Reverse<u64>, u64);
+pub(super) type Merit = (bool, usize, [u64; 2], [u64; 4], u64, Reverse<u64>, u64);
 
 impl Measurement {
     /// Whether pairs of the model as given are lost; rules broken; pairs that differ as they stand, and moved; steps that could not be made; the share of contacts that differ in steps from the oracle's,
-    /// in themselves or in their mode; steps that did not converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on
+    /// in themselves or in their mode; whether blocks sink deeper than `penetration`; steps that did not converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on
     /// a boundary. What has a sample or a range counts in steps, so that what comes after it has a say: moved pairs in those of twice their root,
     /// which is what chance makes of such a count; shares, depth, and slack in sixteenths. A share and no count, since a set under which fewer
     /// contacts are found has fewer that can differ.
@@ -50,7 +50,12 @@ impl Measurement {
             self.lost_pairs > 0,
             self.violated.len(),
             [d.standing[1], (4 * (d.moved[1] + d.near[1])).isqrt()],
-            [failed + u64::from(self.steps_measured.stopped.is_some()), share, self.steps_measured.unconverged],
+            [
+                failed + u64::from(self.steps_measured.stopped.is_some()),
+                share,
+                u64::from(self.steps_measured.deep > 0),
+                self.steps_measured.unconverged,
+            ],
             coarse(self.steps_measured.overlaps.sunk),
             Reverse(coarse(self.tightest.factor)),
             d.boundary[1],
@@ -67,11 +72,13 @@ impl Measurement {
         self.lockstep.is_some() && self.merit() < other.merit()
     }
 
-    /// Whether nothing is wrong with the set: every rule kept, no pair of the model lost, no pair that differs but for those on a boundary, and no step.
+    /// Whether nothing is wrong with the set: every rule kept, no pair of the model lost, no pair that differs but for those on a boundary, no step that
+    /// differs, and none after which blocks have sunk deeper than `penetration`.
     pub fn is_clean(&self) -> bool {
         let steps = self.lockstep.as_ref().is_some_and(|lockstep| lockstep.failed + lockstep.differ == 0);
         let holds = self.violated.is_empty() && self.lost_pairs == 0;
-        holds && self.differences.avoidable() == 0 && self.steps_measured.stopped.is_none() && steps
+        let made = &self.steps_measured;
+        holds && self.differences.avoidable() == 0 && made.stopped.is_none() && made.deep == 0 && steps
     }
 }
 

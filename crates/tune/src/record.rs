@@ -27,7 +27,7 @@ pub enum RecordError {
 
 /// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
 /// for candidates whose steps the oracle was not asked about.
-pub const COLUMNS: [&str; 41] = [
+pub const COLUMNS: [&str; 42] = [
     "candidate",
     "origin",
     "search",
@@ -57,6 +57,7 @@ pub const COLUMNS: [&str; 41] = [
     "steps",
     "penetration_m",
     "sunk_m",
+    "steps_deep",
     "unconverged",
     "retries",
     "stopped",
@@ -174,6 +175,7 @@ fn row(number: usize, evaluated: &EvaluatedCandidate, best: bool) -> Vec<String>
     let s = &m.steps_measured;
     row.extend([d.changed.to_string(), s.steps.to_string()]);
     row.extend([format!("{:?}", s.overlaps.deepest), format!("{:?}", s.overlaps.sunk)]);
+    row.push(s.deep.to_string());
     row.extend([s.unconverged.to_string(), s.retries.to_string(), s.stopped.clone().unwrap_or_default()]);
     let lockstep = m.lockstep.as_ref();
     let counts =
@@ -245,6 +247,7 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
         steps_measured: StepMeasures {
             steps: count("steps")?,
             overlaps: Overlaps { deepest: number("penetration_m")?, sunk: number("sunk_m")? },
+            deep: count("steps_deep")?,
             unconverged: count("unconverged")?,
             retries: count("retries")?,
             stopped: Some(field("stopped")?.to_owned()).filter(|text| !text.is_empty()),

@@ -4,6 +4,7 @@ use super::evaluator::Measurement;
 use super::search::{EvaluatedCandidate, Search, formulas};
 use super::{Cluster, Evaluator};
 use rockproof_model::scene::write_tolerances;
+use rockproof_model::simulation::Unconverged;
 use rockproof_model::text::noun;
 use rockproof_model::{ToleranceSet, ToleranceSpec};
 use std::fmt::Write;
@@ -35,13 +36,13 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     writeln!(out, "\n```toml\n{}```\n", as_toml(&evaluated[best].set))?;
     writeln!(out, "## Measured on\n")?;
     let d = evaluated[best].measurement.differences;
-    writeln!(
-        out,
-        "- {} {}: {} given, the others drawn or turned from the best so far",
-        evaluated.len(),
-        noun(evaluated.len(), "candidate", "candidates"),
-        search.initial_count().min(evaluated.len())
-    )?;
+    let (count, given) = (evaluated.len(), search.initial_count());
+    let others = if count > given {
+        format!("{given} given, the others drawn or turned from the best so far")
+    } else {
+        "all given".to_owned()
+    };
+    writeln!(out, "- {count} {}: {others}", noun(count, "candidate", "candidates"))?;
     writeln!(
         out,
         "- {} of {} neighbouring {} as given; copies of them: {} moved at random, {} moved beside the boundary of a decision, {} moved onto it",
@@ -55,13 +56,16 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     let lockstep = evaluated.iter().filter(|evaluated| evaluated.measurement.lockstep.is_some()).count();
     writeln!(
         out,
-        "- {} {} of {}, after {} of settling; the oracle made the same steps exactly for {lockstep} {} that might be the best",
+        "- {} {} of {}, {}; the oracle made the same steps exactly for {lockstep} {} that might be the best",
         evaluator.steps(),
         noun(evaluator.steps(), "step", "steps"),
         part(&evaluator.cluster),
-        evaluator.cluster.scene.simulation.control.settle,
+        settling(evaluator),
         noun(lockstep, "candidate", "candidates")
     )?;
+    if evaluator.scene().simulation.control.unconverged == Unconverged::Stop {
+        writeln!(out, "- steps that do not converge are accepted and counted; `simulate` would stop at the first")?;
+    }
     writeln!(out, "- every rule of SPEC section 3, exactly\n")?;
     writeln!(out, "## What each would do\n")?;
     if let Some((columns, rows)) = sides(search) {
@@ -112,6 +116,16 @@ fn part(cluster: &Cluster) -> String {
     format!("{blocks} ({} contacts, {} unknowns; {held})", cluster.contacts, cluster.unknowns())
 }
 
+/// The settling before the steps.
+fn settling(evaluator: &Evaluator) -> String {
+    let [made, given] = [&evaluator.cluster.scene, evaluator.scene()].map(|scene| scene.simulation.control.settle);
+    match made {
+        0 => "without settling, as the scene has none".to_owned(),
+        made if made < given => format!("after {made} of the {given} settling steps of the scene"),
+        made => format!("after {made} of settling, as the scene has it"),
+    }
+}
+
 /// Everything that was measured of the author's set and the one recommended, or of the author's alone where that is the best: names of the columns, the first
 /// of them empty, and rows. Nothing where nothing was tried.
 pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>)> {
@@ -149,6 +163,9 @@ pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>
         )
     });
     row("blocks sink by at most", &|evaluated| format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.sunk));
+    row("steps with blocks sunk deeper than penetration", &|evaluated| {
+        evaluated.measurement.steps_measured.deep.to_string()
+    });
     row("deepest overlap after the last step", &|evaluated| {
         format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.deepest)
     });
@@ -247,6 +264,20 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize) -> std::
             m.steps_measured.steps, m.steps_measured.overlaps.sunk
         )?,
         Some(why) => writeln!(out, "The steps stopped after {}: {why}.", m.steps_measured.steps)?,
+    }
+    if m.steps_measured.deep > 0 {
+        writeln!(
+            out,
+            "Blocks sink deeper than `penetration`, {:.3e} m, after {} {}, settling included, where no contact holds them that was not closed before. {}.",
+            tried[best].set.penetration.approximate(),
+            m.steps_measured.deep,
+            noun(m.steps_measured.deep, "step", "steps"),
+            match tried.iter().all(|other| other.measurement.steps_measured.deep > 0) {
+                true =>
+                    "So they do under every set tried: joints are too soft for the loads, or no contact is there (`simulate --audit` tells)",
+                false => "Under some other sets they do not, but these are worse in what is compared before this",
+            }
+        )?;
     }
     match &m.lockstep {
         Some(lockstep) if lockstep.differ + lockstep.failed == 0 => {
@@ -364,18 +395,27 @@ fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::f
             "- answers {theirs} of {theirs_of} pairs differently from the oracle, instead of {ours} of {ours_of}"
         )?;
     }
-    let share = |m: &Measurement| m.lockstep.as_ref().map_or(0.0, |lockstep| 100.0 * lockstep.share());
-    if share(best) != share(author) {
-        let (theirs, ours) = (share(author), share(best));
-        writeln!(out, "- differs from the oracle in {theirs:.1} % of the contacts in steps, instead of {ours:.1} %")?;
+    // What is the same in the digits shown is not told.
+    let share =
+        |m: &Measurement| format!("{:.1} %", m.lockstep.as_ref().map_or(0.0, |lockstep| 100.0 * lockstep.share()));
+    let (ours, theirs) = (share(best), share(author));
+    if ours != theirs {
+        writeln!(out, "- differs from the oracle in {theirs} of the contacts in steps, instead of {ours}")?;
     }
-    let sunk = |m: &Measurement| m.steps_measured.overlaps.sunk;
+    let sunk = |m: &Measurement| format!("{:.3e} m", m.steps_measured.overlaps.sunk);
+    let (ours, theirs) = (sunk(best), sunk(author));
     match &author.steps_measured.stopped {
         Some(why) => writeln!(out, "- stops after {} steps: {why}", author.steps_measured.steps)?,
-        None if sunk(author) != sunk(best) => {
-            writeln!(out, "- lets blocks sink by {:.3e} m instead of {:.3e} m", sunk(author), sunk(best))?;
-        }
+        None if ours != theirs => writeln!(out, "- lets blocks sink by {theirs} instead of {ours}")?,
         None => {}
+    }
+    let (ours, theirs) = (best.steps_measured.deep, author.steps_measured.deep);
+    if ours != theirs {
+        writeln!(
+            out,
+            "- lets blocks sink deeper than its `penetration` in {theirs} {}, instead of {ours}",
+            noun(theirs, "step", "steps")
+        )?;
     }
     let [ours, theirs] = [best, author].map(|m| format!("{:.2}", m.tightest.factor));
     match ours == theirs {

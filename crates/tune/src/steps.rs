@@ -18,6 +18,8 @@ pub struct StepMeasures {
     pub steps: u64,
     /// The exact overlaps.
     pub overlaps: Overlaps,
+    /// Steps, settling too, after which a pair overlaps deeper than `penetration`, and deeper than in the scene as given.
+    pub deep: u64,
     /// Steps accepted without converging.
     pub unconverged: u64,
     /// Attempts given up.
@@ -85,18 +87,18 @@ impl InitialOverlaps {
         }
     }
 
-    /// The overlaps of the blocks where they are now.
-    fn overlaps(&self, blocks: &[Block]) -> Overlaps {
+    /// The overlaps of the blocks where they are now, and whether a pair that sank is deeper than `penetration`.
+    fn overlaps(&self, blocks: &[Block], penetration: f64) -> (Overlaps, bool) {
         let now = self.pairs.par_iter().map(|(pair, before)| {
             let deepest = depth(pair.map(|k| &blocks[k]));
-            Overlaps { deepest, sunk: (deepest - before).max(0.0) }
+            let sunk = Some(deepest - before).filter(|sunk| *sunk > self.nothing).unwrap_or(0.0);
+            (Overlaps { deepest, sunk }, sunk > 0.0 && deepest > penetration)
         });
-        let worse = |one: Overlaps, other: Overlaps| Overlaps {
-            deepest: one.deepest.max(other.deepest),
-            sunk: one.sunk.max(other.sunk),
+        let worse = |(one, deep): (Overlaps, bool), (other, also): (Overlaps, bool)| {
+            let [deepest, sunk] = [one.deepest.max(other.deepest), one.sunk.max(other.sunk)];
+            (Overlaps { deepest, sunk }, deep || also)
         };
-        let found = now.reduce(Overlaps::default, worse);
-        Overlaps { sunk: if found.sunk > self.nothing { found.sunk } else { 0.0 }, ..found }
+        now.reduce(|| (Overlaps::default(), false), worse)
     }
 }
 
@@ -122,11 +124,13 @@ pub(super) fn measure_steps<R: Solve>(
 ) -> Result<StepMeasures, TuneError> {
     let mut dynamics = Dynamics::<R>::new(part, set)?;
     let mut found = StepMeasures::default();
+    let penetration = set.penetration.approximate();
     while found.steps < steps && found.stopped.is_none() {
         match dynamics.step() {
             Ok(report) => {
-                let now = initial.overlaps(&placed(part, dynamics.state()));
+                let (now, is_deep) = initial.overlaps(&placed(part, dynamics.state()), penetration);
                 found.overlaps = Overlaps { deepest: now.deepest, sunk: now.sunk.max(found.overlaps.sunk) };
+                found.deep += u64::from(is_deep);
                 found.steps = dynamics.state().step;
                 found.unconverged += u64::from(!report.converged);
                 found.retries += report.retries.len() as u64;
@@ -161,6 +165,7 @@ pub(super) fn measure_lockstep<R: Solve>(
         .rounded(precision)
         .map_err(|overflow| TuneError::Overflow { what: format!("`{}`", overflow.0), precision })?;
     let shapes = rounded.scene().shapes();
+    let penetration = set.penetration.approximate();
     let mut found = LockstepMeasures::default();
     while dynamics.state().step < steps {
         let is_last = dynamics.state().settling == 0 && dynamics.state().step + 1 == steps;
@@ -171,7 +176,7 @@ pub(super) fn measure_lockstep<R: Solve>(
         let made = dynamics.step();
         let exact = if is_last {
             rounded.step(&before, KEPT_PRECISION).map(|step| {
-                found.deepest = Some(initial.overlaps(&rounded.blocks_at(&step.state)).deepest);
+                found.deepest = Some(initial.overlaps(&rounded.blocks_at(&step.state), penetration).0.deepest);
                 StepDecisions::of_oracle(&step)
             })
         } else {
