@@ -18,6 +18,32 @@ fn where_no_step_was_made_nothing_is_said_of_overlaps() {
     assert!(!said.contains("✅") && !said.contains("--no-audit"), "{said}");
 }
 
+/// Two blocks that loads press 3 cm deep into a wall, and the same as exact steps, which have no report.
+#[test]
+fn the_verdict_says_how_deep_audited_runs_went_and_names_exact_runs() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let path = |name: &str| dir.path().join(name).display().to_string();
+    let scene = "[simulation]\ngravity = [0, 0, 0]\nsteps = 9\ndynamic = 0\n[[joint]]\nfriction = 0\nnormal_stiffness = 1e9\n\
+        [[block]]\nfixed = true\nbox = { min = [0, -2, -2], max = [1, 2, 2] }\n\
+        [[block]]\nbox = { min = [-1, 0, 0], max = [0, 1, 1] }\n\
+        [[load]]\nblock = 1\nat = [-1, \"1/2\", \"1/2\"]\nforce = [12e7, 0, 0]\n";
+    fs::write(path("pressed.toml"), scene).expect("written");
+    for name in ["one", "two"] {
+        let (code, said, err) = rockproof(&["simulate", &path("pressed.toml"), "--audit", "--out", &path(name)]);
+        assert!(code == 0 && said.contains("deeper than penetration after"), "{said}{err}");
+    }
+    let (code, said, err) = rockproof(&["report", &path("one"), &path("two"), "--format", "markdown"]);
+    let line = said.lines().find(|line| line.contains("No passage")).unwrap_or_else(|| panic!("{said}{err}"));
+    let told = "in 18 audited steps of 2 of 2 runs; deeper than `penetration` after ";
+    assert!(code == 0 && line.starts_with("- ℹ️ ") && line.contains(told), "{line}");
+    assert!(line.contains(" of 18 steps (at most 0.0") && line.ends_with(" m, in one)."), "{line}");
+    let exact = path("exact");
+    let args = ["simulate", &path("pressed.toml"), "--engine", "exact", "--steps", "1", "--out", &exact];
+    assert_eq!(rockproof(&args).0, 0);
+    let (code, _, err) = rockproof(&["report", &exact]);
+    assert!(code == 2 && err.contains("a run of simulate --engine exact, of which there is no report"), "{err}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_named_twice_is_refused() {

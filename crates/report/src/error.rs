@@ -16,6 +16,14 @@ pub enum ReportError {
         /// What is there instead.
         found: String,
     },
+    /// A run of exact steps alone.
+    #[error(
+        "{dir}: a run of simulate --engine exact, of which there is no report: its steps are the truth and are audited by nobody; trajectory.csv and measured.csv hold them, and simulate --lockstep compares the stepper's steps with exact ones"
+    )]
+    ExactRun {
+        /// The directory.
+        dir: PathBuf,
+    },
     /// A run named twice.
     #[error("{} and {} are the same run, which would count twice", dirs[0].display(), dirs[1].display())]
     Twice {

@@ -172,6 +172,9 @@ impl Results {
                         refuse_what_is_no_file(&file).map_err(at(&file))?;
                     }
                 }
+                if has("trajectory.csv") && has("state.json") {
+                    return Err(ReportError::ExactRun { dir: dir.clone() });
+                }
                 return Err(ReportError::NoRun { dir: dir.clone(), found: what_is_there(dir) });
             }
             if campaign {

@@ -3,9 +3,13 @@
 use super::lockstep::LockstepRun;
 use super::motion::MotionRun;
 use super::table::{counted, grouped, short};
-use super::verdict::{Severity, VerdictLine};
+use super::verdict::{MIN_PAIRS, Severity, VerdictLine};
 use rockproof_differential::finding::Cause;
 use rockproof_simulate::AuditTotals;
+
+/// So many steps without a mistake must there be before that is called well, as of pairs. Steps of one run resemble one another, so they tell less than as
+/// many pairs; fewer tell next to nothing.
+const MIN_STEPS: u64 = MIN_PAIRS;
 
 /// What differs in steps that stepper and oracle made from the same states: decisions, overlaps, mistakes in code.
 pub(super) fn lockstep_lines(runs: &[LockstepRun]) -> Vec<VerdictLine> {
@@ -34,6 +38,12 @@ pub(super) fn lockstep_lines(runs: &[LockstepRun]) -> Vec<VerdictLine> {
     let overlaps = format!("Overlaps after a step differ from the exact ones by at most {} m.", short(deepest));
     let mistakes = match runs.iter().filter_map(|r| r.causes.get(&Cause::Defect)).sum::<u64>() {
         0 if steps == 0 => (Severity::Fair, "No step was compared.".to_owned()),
+        0 if steps < MIN_STEPS => (
+            Severity::Fair,
+            format!(
+                "No mistake in code was found in the steps. So few steps tell little: {MIN_STEPS} show a mistake of one step in a hundred with 95 %."
+            ),
+        ),
         0 => (Severity::Good, "No mistake in code was found in the steps.".to_owned()),
         1 => (Severity::Bad, "1 difference of the steps is a mistake in code.".to_owned()),
         n => (Severity::Bad, format!("{} differences of the steps are mistakes in code.", grouped(n))),
@@ -84,10 +94,30 @@ pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
                 0 => String::new(),
                 n => format!("; passages within steps were not looked for in {n} of them (--audit does)"),
             };
-            format!("{none} in {steps} of {audited} of {} runs{undecided}{without}", runs.len())
+            let deep = deeper(runs).map_or(String::new(), |deep| format!("; {deep}"));
+            format!("{none} in {steps} of {audited} of {} runs{deep}{undecided}{without}", runs.len())
         }
     };
     Some(VerdictLine { severity, text: format!("{text}.") })
+}
+
+/// After how many of all audited steps blocks overlap deeper than `penetration`, and how deep at most, in the first such run; none where they never do.
+fn deeper(runs: &[MotionRun]) -> Option<String> {
+    let audits = || runs.iter().filter_map(|run| Some((run, run.audit()?)));
+    let deep = |audit: &AuditTotals| audit.deepest.filter(|_| audit.steps_deep > 0).map(|deepest| deepest.depth_m.0);
+    let (worst, depth) = audits()
+        .filter_map(|(run, audit)| Some((run, deep(audit)?)))
+        .rev()
+        .max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+    let [steps, all] = [|audit: &AuditTotals| audit.steps_deep, |audit: &AuditTotals| audit.steps]
+        .map(|of| audits().map(|(_, audit)| of(audit)).sum::<u64>());
+    let all = counted(all, "step", "steps");
+    Some(format!(
+        "deeper than `penetration` after {} of {all} (at most {} m, in {})",
+        grouped(steps),
+        short(depth),
+        worst.name
+    ))
 }
 
 /// Which of several runs ended before they were asked to, and why the first did; of one alone its line tells.

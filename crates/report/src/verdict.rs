@@ -203,7 +203,7 @@ fn of_supported(campaign: &CampaignRun, engine: &str, counts: &AgreementCounts) 
 
 /// So many pairs without a mistake must there be before that is called well: a mistake that shows in one pair of a hundred shows in one of these with
 /// 95 % (1 − 0.99³⁰⁰).
-const MIN_PAIRS: u64 = 300;
+pub(super) const MIN_PAIRS: u64 = 300;
 
 /// How many pairs campaigns examined, in words, and which part of how many that is.
 fn pairs_in_words(campaigns: &[CampaignRun]) -> String {

@@ -9,6 +9,8 @@ use rockproof_campaign::steps::STEP_FINDING_COLUMNS;
 use rockproof_campaign::steps::summary::{StepCounts, StepGroup};
 use rockproof_differential::agreement::ComparisonKey;
 use rockproof_differential::finding::FINDING_COLUMNS;
+use rockproof_simulate::audit::PairExtreme;
+use rockproof_simulate::exact_float::ExactFloat;
 use rockproof_simulate::{AuditTotals, Totals};
 use serde::de::DeserializeOwned;
 use serde_json::json;
@@ -209,6 +211,12 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
         ending: "finished".to_owned(),
         ..MotionRun::default()
     };
+    for (steps, severity) in [(5, Severity::Fair), (299, Severity::Fair), (300, Severity::Good)] {
+        let lines = of(LockstepRun { steps, ..LockstepRun::default() }, Vec::new());
+        assert!(has(&lines, severity, "No mistake in code was found in the steps."), "{lines:?}");
+        let says_so = lines.iter().any(|line| line.text.contains("300 show a mistake of one step in a hundred"));
+        assert_eq!(says_so, steps < 300, "{lines:?}");
+    }
     let defect = LockstepRun { causes: [(Cause::Defect, 2)].into(), ..run.clone() };
     let lines = of(defect, vec![motion("shot", Some(audit.clone())), motion("second", Some(audit))]);
     assert!(lines[0].severity == Severity::Bad && lines[0].text.starts_with("shot: blocks pass through"), "{lines:?}");
@@ -226,6 +234,13 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     assert!(has(&lines, Severity::Fair, told), "{lines:?}");
     let lines = of(run.clone(), vec![motion("one", Some(overlaps_alone))]);
     assert!(has(&lines, Severity::Fair, "one: no unseen overlap in 5 steps; passages"), "{lines:?}");
+    let deepest = |depth_m| Some(PairExtreme { blocks: [0, 1], depth_m: ExactFloat(depth_m), step: 3 });
+    let deep = |steps_deep, depth_m| AuditTotals { steps_deep, deepest: deepest(depth_m), ..sound.clone() };
+    // The third is deepest, but no deeper than its `penetration`.
+    let deep = [("one", deep(2, 0.25)), ("two", deep(3, 0.5)), ("three", deep(0, 0.75))];
+    let lines = of(run.clone(), deep.map(|(name, audit)| motion(name, Some(audit))).into());
+    let told = "No passage and no unseen overlap in 15 audited steps of 3 of 3 runs; deeper than `penetration` after 5 of 15 steps (at most 0.500 m, in two).";
+    assert!(has(&lines, Severity::Fair, told), "{lines:?}");
     let open = AuditTotals { undecided: Some(1), ..sound.clone() };
     assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: no unseen overlap"));
     assert!(has(&of(run, vec![motion("one", Some(open))]), Severity::Fair, "one: no unseen overlap"));
