@@ -179,7 +179,8 @@ fn a_block_that_passes_through_another_within_a_step_is_told() {
     assert_eq!(code, 1, "{out}{err}");
     let told = "audit            blocks pass through one another: 1 passage within a step (worst 0–1, ";
     assert!(
-        out.starts_with(told) && out.contains("\npenetration      none: no two blocks overlap after any step\n"),
+        out.starts_with(told)
+            && out.contains("\npenetration      none: no two blocks overlap by more than rounding after any step\n"),
         "{out}"
     );
     let passages: Vec<String> = step_rows(&place, "shot").into_iter().map(|row| row["passages"].clone()).collect();

@@ -151,7 +151,7 @@ impl AuditTotals {
     /// What was found, in one line, with the deepest overlap of all.
     pub fn sentence(&self) -> String {
         let deepest = match self.deepest {
-            None => "no overlap after any step".to_owned(),
+            None => "no overlap beyond rounding after any step".to_owned(),
             deepest => format!("deepest overlap{}", worst_pair_note(deepest)),
         };
         format!("{}; {deepest}", self.verdict())
@@ -199,7 +199,7 @@ impl AuditTotals {
     /// The true penetration, in words: the deepest overlap after any step, with its pair and step.
     pub fn deepest_in_words(&self) -> String {
         let Some(PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step }) = self.deepest else {
-            return "none: no two blocks overlap after any step".to_owned();
+            return "none: no two blocks overlap by more than rounding after any step".to_owned();
         };
         format!("{} m at most, of blocks {a} and {b} in {}", in_four_digits(depth), step_in_words(step))
     }
@@ -232,9 +232,9 @@ mod tests {
         let mut totals = AuditTotals::default();
         totals.add(0, &StepAudit { passages: passing(vec![], 0), ..StepAudit::default() });
         assert!(!totals.finds_fault());
-        let nothing = "no unseen overlap and no passage in 1 step; no overlap after any step";
+        let nothing = "no unseen overlap and no passage in 1 step; no overlap beyond rounding after any step";
         assert_eq!(totals.sentence(), nothing);
-        assert_eq!(totals.deepest_in_words(), "none: no two blocks overlap after any step");
+        assert_eq!(totals.deepest_in_words(), "none: no two blocks overlap by more than rounding after any step");
         let held = StepAudit { deepest: Some(pair(0, 1, 0.5)), passages: passing(vec![], 0), ..StepAudit::default() };
         totals.add(1, &held);
         totals.add(2, &held);
