@@ -227,6 +227,11 @@ fn broken_toml_scenes() {
         ("a.toml", with_tolerance("preset = 1"), &["a.toml:6:", "tolerance `preset` is 1"]),
         ("a.toml", with_tolerance("criteria = true"), &["a.toml:6:", "found true"]),
         ("a.toml", format!("[tolerances]\nsearch = 1\n{MESH}"), &["no preset is named", "territory, penetration"]),
+        (
+            "a.toml",
+            format!("{MESH}\n[[set]]\nblocks = []\nvelocity = [0, 0, 1]"),
+            &["`blocks` of [[set]] is []", "or \"all\""],
+        ),
         ("a.toml", format!("tolerances = 3\n{MESH}"), &["a.toml:1:", "`tolerances`, a table"]),
     ]);
 }

@@ -134,6 +134,10 @@ impl Lines {
     fn meant(&self, value: &Value<'_>) -> Result<SetMembers, Located> {
         match value.get_ref() {
             DeValue::String(word) if word == "all" => Ok(SetMembers::All),
+            DeValue::Array(blocks) if blocks.is_empty() => {
+                let allowed = "numbers and names of blocks, or \"all\"".to_owned();
+                Err(self.not_allowed(value, "`blocks` of [[set]]", "[]", allowed))
+            }
             DeValue::Array(blocks) => {
                 let references = blocks.iter().map(|block| self.reference(block, "a block of [[set]]"));
                 Ok(SetMembers::These(references.collect::<Result<_, _>>()?))
