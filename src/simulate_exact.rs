@@ -1,21 +1,24 @@
 //! `simulate --engine exact`: the oracle steps by itself.
 
-use crate::exit::{ExitStatus, Outcome, print_error};
+use crate::exit::{ExitStatus, Outcome, print_error, print_note, shows_progress};
 use crate::input::FormatArgs;
 use crate::stop::on_ctrl_c;
+use indicatif::{ProgressBar, ProgressStyle};
 use rockproof_differential::lockstep::Trajectory;
 use rockproof_differential::lockstep::penetration::penetration;
 use rockproof_model::Number;
 use rockproof_model::simulation::step_in_words;
 use rockproof_model::text::csv_cell;
 use rockproof_model::text::noun;
-use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer};
+use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer, StepFailure};
 use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
 use rockproof_simulate::Plan;
 use rockproof_simulate::tables::{MEASURED, lines};
 use serde_json::json;
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
 
 /// Columns of `trajectory.csv`.
 const COLUMNS: [&str; 12] = [
@@ -51,6 +54,7 @@ impl ExactRun {
         let start = Start::of(false, self.overwrite);
         let mut directory = Directory::claim(Claim { dir, owner: Owner::Simulate, start, files: &FILES })?;
         let stop = on_ctrl_c()?;
+        let mut display = StepDisplay::new();
         let (mut steps, mut measured) = (lines([COLUMNS])?, lines([MEASURED])?);
         let begin = trajectory.measured().to_vec();
         let (mut undecided, mut failure, mut ending) = (0, None, "finished");
@@ -60,7 +64,11 @@ impl ExactRun {
                 break;
             }
             let number = trajectory.next_number();
-            match trajectory.step() {
+            display.begin(number, &trajectory);
+            // A step may take hours, and a stop must not wait for it; what was before it is written then.
+            let Some((after, made)) = stepped(trajectory.clone(), &stop, &mut display) else { continue };
+            trajectory = after;
+            match made {
                 Err(why) => {
                     (failure, ending) = (Some(format!("{}: {why}", step_in_words(number))), "stopped");
                     break;
@@ -78,6 +86,7 @@ impl ExactRun {
                 }
             }
         }
+        display.end();
         let kept = precision_words(trajectory.keep());
         directory.write("trajectory.csv", FileKind::Table, &steps)?;
         directory.write("measured.csv", FileKind::Table, &measured)?;
@@ -133,6 +142,85 @@ impl ExactRun {
         trajectory.state().settling == 0
             && (self.plan.steps.is_some_and(|steps| trajectory.steps() >= steps)
                 || self.plan.time.is_some_and(|end| missing(end) < self.plan.smallest_step))
+    }
+}
+
+/// Makes a step in a thread of its own; `None` where somebody asked to stop before it was made. The thread then ends with the program.
+fn stepped(
+    mut trajectory: Trajectory,
+    stop: &AtomicBool,
+    display: &mut StepDisplay,
+) -> Option<(Trajectory, Result<StepAnswer, StepFailure>)> {
+    let (sender, made) = mpsc::channel();
+    let thread = std::thread::spawn(move || {
+        let made = trajectory.step();
+        // Without a receiver the step is not wanted any more.
+        let _ = sender.send((trajectory, made));
+    });
+    loop {
+        match made.recv_timeout(StepDisplay::PAUSE) {
+            Ok(made) => return Some(made),
+            Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return None,
+            Err(RecvTimeoutError::Timeout) => display.show(),
+            // A panic within the step is one of the program.
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(panic) => std::panic::resume_unwind(panic),
+                Ok(()) => return None,
+            },
+        }
+    }
+}
+
+/// Which step is being made, and for how long: on a terminal always, otherwise now and then.
+struct StepDisplay {
+    bar: Option<ProgressBar>,
+    told: Instant,
+    begun: Instant,
+    step: String,
+}
+
+impl StepDisplay {
+    /// How often it is looked at whether somebody wants to stop.
+    const PAUSE: Duration = Duration::from_millis(50);
+    /// How often a line is printed where there is no terminal.
+    const LINES: Duration = Duration::from_secs(10);
+
+    fn new() -> StepDisplay {
+        let bar = shows_progress().then(|| {
+            let bar = ProgressBar::new_spinner();
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed}, {msg}") {
+                bar.set_style(style);
+            }
+            bar
+        });
+        StepDisplay { bar, told: Instant::now(), begun: Instant::now(), step: String::new() }
+    }
+
+    /// A step begins.
+    fn begin(&mut self, number: i64, trajectory: &Trajectory) {
+        self.begun = Instant::now();
+        self.step = format!("{}, from {} s on", step_in_words(number), trajectory.state().time.approximate());
+    }
+
+    fn show(&mut self) {
+        let line = || format!("working on {} for {} s", self.step, self.begun.elapsed().as_secs());
+        match &self.bar {
+            Some(bar) => {
+                bar.set_message(line());
+                bar.tick();
+            }
+            None if self.told.elapsed() >= Self::LINES => {
+                print_note(&line());
+                self.told = Instant::now();
+            }
+            None => {}
+        }
+    }
+
+    fn end(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
     }
 }
 

@@ -1,7 +1,8 @@
-//! A second Ctrl-C, or TERM or HUP, ends the program at once, whatever the first waits for: a step, a candidate, a pair.
+//! A second Ctrl-C, or TERM or HUP, ends the program at once, whatever the first waits for: a step, a candidate, a pair. The first ends an exact run.
 #![cfg(unix)]
 
-use crate::processes::{signal, until};
+use crate::place::Place;
+use crate::processes::{begin, signal, until};
 use std::fmt::Write;
 use std::fs::{self, File};
 use std::path::Path;
@@ -80,7 +81,33 @@ fn a_second_signal_ends_the_program_at_once() {
     fs::write(dir.join("bed.toml"), cubes([14, 14, 2])).expect("write");
     fs::write(dir.join("tower.toml"), cubes([1, 1, 40])).expect("write");
     ends_at_the_second(dir, &["campaign", "campaign.toml"], ["INT", "INT"]);
-    let exactly = ["simulate", "bed.toml", "--engine", "exact", "--steps", "1", "--force"];
+    let exactly = ["simulate", "bed.toml", "--free", "--steps", "1", "--force"];
     ends_at_the_second(dir, &exactly, ["TERM", "HUP"]);
     ends_at_the_second(dir, &["tune", "tower.toml", "--steps", "10000", "--candidates", "1"], ["INT", "TERM"]);
+}
+
+/// An exact step of 392 cubes takes much longer than the test, and nobody waits for it.
+#[test]
+fn an_exact_run_stops_within_a_step() {
+    let place = Place::new();
+    place.file("bed.toml", &cubes([14, 14, 2]));
+    let arguments = ["simulate", "bed.toml", "--engine", "exact", "--steps", "1", "--force", "--out", "out"];
+    let mut run = begin(&place.path("."), &arguments);
+    until("the run begins", || place.path("out/rockproof.manifest.json").exists());
+    // It listens to signals a moment later.
+    std::thread::sleep(Duration::from_millis(500));
+    let signalled = Instant::now();
+    signal(&run, "TERM");
+    let mut status = None;
+    until("the run stops", || {
+        status = run.try_wait().expect("a child");
+        status.is_some() || signalled.elapsed() > Duration::from_secs(10)
+    });
+    if status.is_none() {
+        run.kill().expect("a kill");
+        run.wait().expect("an end");
+    }
+    assert_eq!(status.and_then(|status| status.code()), Some(130));
+    let about: serde_json::Value = serde_json::from_str(&place.read("out/run.json")).expect("JSON");
+    assert_eq!((&about["ending"], &about["steps"]), (&"interrupted".into(), &0.into()), "{about}");
 }
