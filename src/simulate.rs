@@ -23,17 +23,18 @@ use rockproof_examine::{
 };
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, Solver, step_in_words};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, tolerance_rules};
 use rockproof_oracle::step::KeptPrecision;
 use rockproof_report::table::counted;
-use rockproof_results::{Start, bounded};
+use rockproof_results::{ResultsError, Start, bounded};
 use rockproof_simulate::audit::PairExtreme;
 use rockproof_simulate::identity::{identity, with_tolerances};
 use rockproof_simulate::record::{RunProgress, RunTable};
 use rockproof_simulate::run::headers;
 use rockproof_simulate::tables::lines;
 use rockproof_simulate::totals::Extreme;
-use rockproof_simulate::{AuditScope, AuditTotals, Ending, Plan, Run, RunRecord, Stepping};
+use rockproof_simulate::{AuditScope, AuditTotals, Ending, Plan, Run, RunRecord, Stepping, VolumeChange};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepError, StepReport};
@@ -206,6 +207,13 @@ pub(crate) fn solver(text: &str) -> Result<Solver, String> {
     Solver::from_name(text).ok_or_else(|| format!("must be one of {}", Solver::ALL.map(Solver::name).join(", ")))
 }
 
+/// What the end of a run tells of blocks beside what is recorded.
+struct KnownOfBlocks {
+    /// What the model overlaps before the first step, where that is more than contacts hold.
+    overlaps: Option<String>,
+    volume: Option<VolumeChange>,
+}
+
 /// What a run begins with.
 struct PreparedRun {
     scene: Scene,
@@ -360,8 +368,9 @@ impl Simulate {
             identity.insert("free".to_owned(), format!("{:?}", self.keep(&scene)).into());
             headers[RunTable::Free as usize] = Some(lines([free::COLUMNS])?);
         }
-        let (mut record, saved) = RunRecord::open(&dir, identity, headers, start)?;
         let text = with_tolerances(&scene, &set)?;
+        let opened = RunRecord::open(&dir, identity, headers, start);
+        let (mut record, saved) = opened.map_err(|error| name_changed_line(error, &text))?;
         match saved {
             None => record.write("scene.toml", text.as_bytes())?,
             Some(saved) => saved
@@ -369,6 +378,9 @@ impl Simulate {
                 .map_err(anyhow::Error::from)
                 .and_then(|state| Ok(dynamics.restore(state)?))
                 .with_context(|| format!("{}: the checkpoint cannot be used", dir.display()))?,
+        }
+        if record.progress().resumed > 0 && plan.is_over(dynamics.state()) {
+            print_note(&already_done(&dir, dynamics.state(), &plan));
         }
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
         let mut stepping: Box<dyn Stepping<R>> = match self.lockstep {
@@ -400,9 +412,11 @@ impl Simulate {
         if ending != Ending::Interrupted {
             find_causes::<R>(&mut record, &scene, &set, precision)?;
         }
+        let volume = VolumeChange::of(&scene, &begin, stepping.state());
+        let known = KnownOfBlocks { overlaps, volume };
         self.format.print(
-            || summary(&record, stepping.state(), &ending, overlaps.as_deref()),
-            || document(&record, stepping.state(), &ending, overlaps.as_deref()),
+            || summary(&record, stepping.state(), &ending, &known),
+            || document(&record, stepping.state(), &ending, &known),
         )?;
         let audit = &record.progress().totals.audit;
         Ok(match ending {
@@ -410,9 +424,15 @@ impl Simulate {
             Ending::Finished => ExitStatus::Passed,
             Ending::Interrupted => ExitStatus::Interrupted,
             Ending::Stopped(stopped) => {
-                let falls = is_loose(&scene) && matches!(stopped, StepError::NotConverged { .. });
-                let why =
-                    if falls { "; perhaps since nothing is fixed: --hold-lowest fixes the lowest blocks" } else { "" };
+                let why = match stopped {
+                    StepError::NotConverged { .. } if is_loose(&scene) => {
+                        "; perhaps since nothing is fixed: --hold-lowest fixes the lowest blocks"
+                    }
+                    StepError::Singular { .. } => {
+                        "; look at normal_stiffness, the stiffness of fixed points, young and density: they differ by more than the precision holds"
+                    }
+                    _ => "",
+                };
                 print_error(&format!("{stopped}{why}"));
                 ExitStatus::CheckFailed
             }
@@ -439,6 +459,66 @@ impl Simulate {
         let all = [("lockstep", links.into()), ("states", self.states.into())];
         all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
+}
+
+/// Of a run with another scene the first line that differs, in place of two digests.
+fn name_changed_line(error: ResultsError, asked: &str) -> ResultsError {
+    let ResultsError::OtherIdentity { dir, owner, mut differences } = error else { return error };
+    let run = std::fs::read_to_string(dir.join("scene.toml")).unwrap_or_default();
+    if let (Some(of_scene), Some(told)) =
+        (differences.iter_mut().find(|difference| difference.starts_with("scene: ")), first_difference(&run, asked))
+    {
+        *of_scene = told;
+    }
+    ResultsError::OtherIdentity { dir, owner, differences }
+}
+
+/// The first line in which the scene of a run and another differ, tolerances aside, which have lines of their own; `None` where there is no scene, or they are alike.
+fn first_difference(run: &str, asked: &str) -> Option<String> {
+    fn without_tolerances(text: &str) -> impl Iterator<Item = (usize, &str)> {
+        let mut is_inside = false;
+        (1..).zip(text.lines()).filter(move |(_, line)| {
+            is_inside = if line.starts_with('[') { *line == "[tolerances]" } else { is_inside };
+            !is_inside && !line.trim().is_empty()
+        })
+    }
+    if run.is_empty() {
+        return None;
+    }
+    let (mut one, mut other) = (without_tolerances(run), without_tolerances(asked));
+    let quoted = |line: Option<(usize, &str)>| {
+        line.map_or("no more lines".to_owned(), |(_, line)| format!("`{}`", excerpt(line, EXCERPT_LENGTH)))
+    };
+    loop {
+        let (was, is) = (one.next(), other.next());
+        if was.is_none() && is.is_none() {
+            return None;
+        }
+        if was.map(|(_, line)| line) != is.map(|(_, line)| line) {
+            let place = was.map_or("its end".to_owned(), |(number, _)| format!("line {number}"));
+            return Some(format!(
+                "scene: {place} of scene.toml: the run has {}, asked for is {}",
+                quoted(was),
+                quoted(is)
+            ));
+        }
+    }
+}
+
+/// That a run that goes on has all it was asked for.
+fn already_done<R: Real>(dir: &Path, state: &State<R>, plan: &Plan) -> String {
+    let asked: Vec<String> =
+        [plan.steps.map(|steps| counted(steps, "step", "steps")), plan.time.map(|time| format!("{} s", short(time)))]
+            .into_iter()
+            .flatten()
+            .collect();
+    format!(
+        "{} has {} and {} s already, and {} were asked for: no step was made; more --steps or --time goes on",
+        dir.display(),
+        counted(state.step, "step", "steps"),
+        short(state.time.to_f64()),
+        asked.join(" or ")
+    )
 }
 
 fn has_fixed_block(scene: &Scene) -> bool {
@@ -516,7 +596,7 @@ fn short(value: f64) -> String {
 }
 
 /// The same as [`summary`] for programs.
-fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, overlaps: Option<&str>) -> Value {
+fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, known: &KnownOfBlocks) -> Value {
     let RunProgress { totals, seconds, beside, .. } = record.progress();
     let reason = match ending {
         Ending::Stopped(stopped) => Some(stopped.to_string()),
@@ -571,6 +651,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, over
         "time_s": state.time.to_f64(),
         "steps": totals.steps,
         "settling_steps": totals.settling,
+        "settled_displacement_m": totals.settled.map(|moved| moved.0),
         "smallest_time_step_s": totals.smallest_step.map(|step| step.0),
         "iterations": totals.iterations,
         "most_iterations": totals.most_iterations,
@@ -581,21 +662,21 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, over
         "largest_displacement_m": extreme(totals.furthest),
         "kinetic_j": totals.kinetic.0,
         "potential_j": totals.potential.0,
+        "volume_change": known.volume.map(|of| json!({ "block": of.worst, "factor": of.factor, "blocks": of.blocks })),
         "lockstep": lockstep,
         "audit": audit,
         "intrusions": totals.audit.as_ref().map(|_| causes_json(record.intrusions())),
-        "overlaps_at_start": overlaps,
+        "overlaps_at_start": known.overlaps,
         "seconds": seconds,
         "directory": record.dir().display().to_string(),
         "files": record.names(),
     })
 }
 
-/// `overlaps` is what the model overlaps before the first step, where that is more than contacts hold.
-fn summary<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, overlaps: Option<&str>) -> String {
+fn summary<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, known: &KnownOfBlocks) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let _ = write_summary(&mut out, record, state, ending, overlaps);
+    let _ = write_summary(&mut out, record, state, ending, known);
     out
 }
 
@@ -604,9 +685,10 @@ fn write_summary<R: Real>(
     record: &RunRecord,
     state: &State<R>,
     ending: &Ending,
-    overlaps: Option<&str>,
+    known: &KnownOfBlocks,
 ) -> std::fmt::Result {
     let RunProgress { totals, seconds, .. } = record.progress();
+    let overlaps = known.overlaps.as_deref();
     let audit = totals.audit.as_ref();
     // What makes all the rest worthless comes first.
     if let Some(audit) = audit.filter(|audit| audit.finds_fault()) {
@@ -616,7 +698,10 @@ fn write_summary<R: Real>(
     let time = state.time.to_f64();
     writeln!(out, "time             {} s after {}", short(time), counted(totals.steps, "step", "steps"))?;
     if totals.settling > 0 {
-        writeln!(out, "settling         {} before", counted(totals.settling, "step", "steps"))?;
+        let moved = totals
+            .settled
+            .map_or(String::new(), |moved| format!("; in the last a vertex moved {} m at most", short(moved.0)));
+        writeln!(out, "settling         {} before{moved}", counted(totals.settling, "step", "steps"))?;
     }
     if all == 0 {
         writeln!(out, "measured         nothing: no step was made")?;
@@ -648,6 +733,9 @@ fn write_summary<R: Real>(
     }
     writeln!(out, "displacement     {}", at(totals.furthest))?;
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
+    if let Some(volume) = &known.volume {
+        writeln!(out, "volume           {}", volume.sentence())?;
+    }
     write_lockstep(out, &record.progress().beside)?;
     match (audit, overlaps) {
         (Some(audit), _) if audit.finds_fault() => {}

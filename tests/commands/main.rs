@@ -54,6 +54,7 @@ mod report_command;
 mod report_page;
 mod report_runs;
 mod results;
+mod run_end;
 mod scene_doubts;
 mod second_signal;
 mod self_comparison;

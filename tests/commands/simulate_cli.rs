@@ -233,7 +233,7 @@ fn mistakes_exit_with_2_and_say_where() {
     }
     place.file("fall.toml", &FALL.replace("0.5, 0, -1", "0.5, 0, -2"));
     let (code, _, err) = place.simulate(&["fall.toml", "--out", "done", "--resume"]);
-    assert!(code == 2 && err.contains("scene: the run has"), "{err}");
+    assert!(code == 2 && err.contains("scene: line ") && err.contains(" of scene.toml: the run has "), "{err}");
     assert_eq!(place.files("done"), before, "nothing was touched");
     assert!(!place.path("reports").exists());
     place.finishes(&["fall.toml", "--steps", "3", "--out", "done", "--overwrite"]);

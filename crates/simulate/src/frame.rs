@@ -12,9 +12,9 @@ const VTK_ORDER: [usize; 6] = [0, 1, 2, 5, 3, 4];
 /// The two blocks of a contact.
 const BLOCKS: &[&str] = &["A", "B"];
 
-type Point = [f64; 3];
+pub(crate) type Point = [f64; 3];
 
-fn point<R: Real>(v: Vector<R>) -> Point {
+pub(crate) fn point<R: Real>(v: Vector<R>) -> Point {
     v.components().map(R::to_f64)
 }
 
@@ -31,7 +31,7 @@ fn dot(a: Point, b: Point) -> f64 {
 }
 
 /// Volume (m³) and centroid (m), by tetrahedra from the first vertex to the fans of the faces.
-fn volume_and_centroid(topology: &Topology, points: &[Point]) -> (f64, Point) {
+pub(crate) fn volume_and_centroid(topology: &Topology, points: &[Point]) -> (f64, Point) {
     let (mut six_volumes, mut moment) = (0.0, [0.0; 3]);
     for face in topology.faces() {
         let at = |k: usize| minus(points[face[k].index()], points[0]);

@@ -13,6 +13,7 @@ pub mod record;
 pub mod run;
 pub mod tables;
 pub mod totals;
+pub mod volume_change;
 pub mod worst_intrusions;
 
 pub use audit::{AuditScope, AuditTotals, PairDepth, StepAudit, StepPassages};
@@ -20,4 +21,5 @@ pub use plan::Plan;
 pub use record::RunRecord;
 pub use run::{Ending, Run, RunError, Stepping};
 pub use totals::Totals;
+pub use volume_change::VolumeChange;
 pub use worst_intrusions::{IntrusionRow, WorstIntrusion, WorstIntrusions};

@@ -13,6 +13,9 @@ pub struct Totals {
     pub steps: u64,
     /// Steps of settling.
     pub settling: u64,
+    /// The largest displacement of a vertex in the last step of settling (m); none without settling.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settled: Option<ExactFloat>,
     /// Solves of the accepted attempts.
     pub iterations: u64,
     /// Solves of the step with the most.
@@ -67,6 +70,7 @@ impl Totals {
             self.smallest_step = Some(ExactFloat(smallest.min(report.time_step)));
         } else {
             self.settling += 1;
+            self.settled = Some(ExactFloat(report.max_displacement));
         }
         self.iterations += u64::from(report.iterations);
         self.most_iterations = self.most_iterations.max(report.iterations);

@@ -1,0 +1,125 @@
+//! Pins what the end of `simulate` says of a run: how still it was after settling, blocks that changed their volume, that a run which goes on has all it
+//! was asked for, and in which line another scene differs.
+
+use crate::place::Place;
+
+/// A rigid bar that turns by 1/40 rad a step in free space.
+const SPIN: &str = r#"
+[simulation]
+gravity = [0, 0, 0]
+time_step = "1/200"
+steps = 40
+kinematics = "linear"
+
+[[block]]
+motion = "rigid"
+box = { min = [-1, -1, -1], max = [1, 1, 1] }
+spin = [0, 0, 5]
+
+[[block]]
+motion = "rigid"
+box = { min = [9, -1, -1], max = [11, 1, 1] }
+"#;
+
+#[test]
+fn a_block_that_changes_its_volume_is_named() {
+    let place = Place::new();
+    place.file("spin.toml", SPIN);
+    let (code, out, err) = place.run(&["simulate", "spin.toml", "--out", "spun"]);
+    // Along tangents the sides in the plane of turning grow by the root of 1 + (1/40)² a step: (1 + 1/1600)⁴⁰ = 1.025.
+    let told = "\nvolume           block 0 has 1.025 times the volume that it began with; kinematics \"linear\" makes";
+    assert!(code == 0 && out.contains(told), "{out}{err}");
+    let (_, out, err) = place.run(&["simulate", "spin.toml", "--out", "document", "--format", "json"]);
+    let document: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|why| panic!("{why} {err}"));
+    let change = &document["volume_change"];
+    assert_eq!((&change["block"], &change["blocks"]), (&0.into(), &1.into()), "{change}");
+    assert!(
+        (change["factor"].as_f64().expect("a factor") - (1.0 + 1.0 / 1600.0_f64).powi(40)).abs() < 1e-9,
+        "{change}"
+    );
+    // 0.6 % is not told, and by `cayley` nothing grows.
+    let (_, out, _) = place.run(&["simulate", "spin.toml", "--steps", "10", "--out", "short"]);
+    assert!(out.contains("\nenergy ") && !out.contains("\nvolume "), "{out}");
+    place.file("cayley.toml", &SPIN.replace("linear", "cayley"));
+    let (_, out, _) = place.run(&["simulate", "cayley.toml", "--out", "cayley"]);
+    assert!(out.contains("\nenergy ") && !out.contains("\nvolume "), "{out}");
+}
+
+#[test]
+fn the_last_displacement_of_settling_is_told() {
+    let place = Place::new();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/rest_on_floor.toml");
+    let args = ["simulate", scene, "--steps", "2", "--out", "run"];
+    let (_, out, err) = place.run(&[&args[..], &["--format", "json"]].concat());
+    let document: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|why| panic!("{why} {err}"));
+    let moved: f64 = {
+        let rows = place.rows("run/steps.csv");
+        let last = rows.iter().find(|row| row["step"] == "0").expect("the last of settling");
+        last["max_displacement_m"].parse().expect("a length")
+    };
+    assert_eq!(document["settled_displacement_m"].as_f64(), Some(moved));
+    let (_, out, err) = place.run(&[&args[..], &["--overwrite"]].concat());
+    let line = out.lines().find(|line| line.starts_with("settling ")).unwrap_or_else(|| panic!("{out}{err}"));
+    let (start, told) = line.split_once("20 steps before; in the last a vertex moved ").expect("how far");
+    let told: f64 = told.strip_suffix(" m at most").expect("metres").parse().expect("a length");
+    assert!(start.trim() == "settling" && (told - moved).abs() <= 0.005 * moved, "{line} {moved}");
+    // A run that does not settle has nothing to tell.
+    place.file("spin.toml", SPIN);
+    let (_, out, _) = place.run(&["simulate", "spin.toml", "--steps", "1", "--out", "spun", "--format", "json"]);
+    assert!(
+        out.contains("\"settled_displacement_m\": null") && !place.read("spun/run.json").contains("settled"),
+        "{out}"
+    );
+}
+
+#[test]
+fn a_run_that_goes_on_with_nothing_to_do_says_what_it_has() {
+    let place = Place::new();
+    place.file("spin.toml", SPIN);
+    let again = ["simulate", "spin.toml", "--out", "spun", "--resume", "--steps"];
+    let (code, _, err) = place.run(&[&again[..], &["30"]].concat());
+    assert!(code == 0 && !err.contains("no step was made"), "{err}");
+    for steps in ["10", "30"] {
+        let (code, _, err) = place.run(&[&again[..], &[steps]].concat());
+        let told = format!(
+            "note: spun has 30 steps and 0.15 s already, and {steps} steps were asked for: no step was made; more --steps or --time goes on\n"
+        );
+        assert!(code == 0 && err.contains(&told), "{err}");
+    }
+    let (code, _, err) = place.run(&[&again[..], &["31"]].concat());
+    assert!(code == 0 && !err.contains("no step was made"), "{err}");
+}
+
+#[test]
+fn the_first_line_of_another_scene_that_differs_is_named() {
+    let place = Place::new();
+    place.file("spin.toml", SPIN);
+    let args = ["simulate", "spin.toml", "--steps", "1", "--out", "spun"];
+    assert_eq!(place.run(&args).0, 0);
+    let of_run = place.read("spun/scene.toml");
+    let line = 1 + of_run.lines().position(|line| line == "spin = [0.0, 0.0, 5.0]").expect("the spin");
+    place.file("spin.toml", &SPIN.replace("spin = [0, 0, 5]", "spin = [0, 0, 6]"));
+    let (code, _, err) = place.run(&[&args[..], &["--resume", "--set", "search=0.2"]].concat());
+    let told = format!(
+        "  scene: line {line} of scene.toml: the run has `spin = [0.0, 0.0, 5.0]`, asked for is `spin = [0.0, 0.0, 6.0]`\n"
+    );
+    assert!(code == 2 && err.contains(&told) && err.contains("\n  search: the run has"), "{told}{err}");
+    // Without its scene a run has digests alone.
+    std::fs::remove_file(place.path("spun/scene.toml")).expect("removed");
+    let (code, _, err) = place.run(&[&args[..], &["--resume"]].concat());
+    assert!(code == 2 && err.contains("scene: the run has \""), "{err}");
+}
+
+/// Springs of 1e300 N/m leave nothing of the masses in f64.
+#[test]
+fn a_system_that_cannot_be_solved_is_told_with_the_stiffnesses_to_look_at() {
+    let place = Place::new();
+    let blocks = SPIN.replace("gravity = [0, 0, 0]\n", "");
+    let floor = "[[block]]\nfixed = true\nbox = { min = [-9, -9, -2], max = [9, 9, -1] }\n";
+    place.file("stiff.toml", &format!("{blocks}\n{floor}[[joint]]\nfriction = 0\nnormal_stiffness = 1e300\n"));
+    let (code, out, err) = place.run(&["simulate", "stiff.toml", "--force", "--out", "stiff"]);
+    assert!(
+        code == 1 && err.contains("a pivot is not positive; look at normal_stiffness, the stiffness of"),
+        "{out}{err}"
+    );
+}
