@@ -285,11 +285,11 @@ fn fixed_blocks_alone_are_not_called_safe() {
     let place = Place::new();
     place.file(
         "fixed.toml",
-        &sunk(0, "fixed = true\nvelocity = [1, 0, 0]\n[[load]]\nblock = \"cube\"\nat = [0, 0, 0]\nforce = [1, 0, 0]\n"),
+        &sunk(0, "fixed = true\nvelocity = [1, 0, 0]\n[[load]]\nblock = \"cube\"\nat = [0, 0, 0]\nforce = [1, 0, 0]\n[[fixed_point]]\nblock = \"cube\"\nat = [0, 0, 0]\n"),
     );
     let (code, out, err) = place.run(&["examine", "fixed.toml", "--no-tune", "--out", "fixed"]);
     assert!(code == 1 && out.starts_with("not decided: every block is fixed, so nothing moves\n"), "{out}{err}");
-    let ignored = "ignored, since fixed blocks never move: velocity, load of block 1";
+    let ignored = "ignored, since fixed blocks never move: velocity, load, fixed point of block 1";
     assert!(err.contains(ignored), "{err}");
     let (_, _, err) = place.run(&["check", "fixed.toml"]);
     assert!(err.contains(ignored), "{err}");

@@ -189,9 +189,15 @@ pub fn ignored_of_fixed(scene: &Scene) -> Option<String> {
     const MAX_NAMED: usize = 3;
     let is_zero = |vector: &Vec3<Number>| vector.components().into_iter().all(|part| part.cmp(&Number::ZERO).is_eq());
     let is_loaded = |number: usize| scene.simulation.loads.iter().any(|load| load.block == number);
+    let is_held = |number: usize| scene.simulation.fixed_points.iter().any(|point| point.block == number);
     let of_block = |(number, block): (usize, &SceneBlock)| {
         let Body { velocity, spin, .. } = &block.body;
-        let given = [("velocity", !is_zero(velocity)), ("spin", !is_zero(spin)), ("load", is_loaded(number))];
+        let given = [
+            ("velocity", !is_zero(velocity)),
+            ("spin", !is_zero(spin)),
+            ("load", is_loaded(number)),
+            ("fixed point", is_held(number)),
+        ];
         let given: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
         (block.body.is_fixed() && !given.is_empty()).then(|| format!("{} of block {number}", given.join(", ")))
     };
