@@ -34,7 +34,7 @@ fn the_verdict_says_how_deep_audited_runs_went_and_names_exact_runs() {
     }
     let (code, said, err) = rockproof(&["report", &path("one"), &path("two"), "--format", "markdown"]);
     let line = said.lines().find(|line| line.contains("No passage")).unwrap_or_else(|| panic!("{said}{err}"));
-    let told = "in 18 audited steps of 2 of 2 runs; deeper than `penetration` after ";
+    let told = "in 18 audited steps of 2 of 2 runs; blocks overlap deeper than `penetration` after ";
     assert!(code == 0 && line.starts_with("- ℹ️ ") && line.contains(told), "{line}");
     assert!(line.contains(" of 18 steps (at most 0.0") && line.ends_with(" m, in one)."), "{line}");
     let exact = path("exact");

@@ -81,8 +81,8 @@ fn a_second_signal_ends_the_program_at_once() {
     fs::write(dir.join("bed.toml"), cubes([14, 14, 2])).expect("write");
     fs::write(dir.join("tower.toml"), cubes([1, 1, 40])).expect("write");
     ends_at_the_second(dir, &["campaign", "campaign.toml"], ["INT", "INT"]);
-    let exactly = ["simulate", "bed.toml", "--free", "--steps", "1", "--force"];
-    ends_at_the_second(dir, &exactly, ["TERM", "HUP"]);
+    let free = ["simulate", "bed.toml", "--free", "--steps", "1", "--force"];
+    ends_at_the_second(dir, &free, ["TERM", "HUP"]);
     ends_at_the_second(dir, &["tune", "tower.toml", "--steps", "10000", "--candidates", "1"], ["INT", "TERM"]);
 }
 

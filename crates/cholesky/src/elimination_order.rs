@@ -5,7 +5,7 @@ use feral_amd::{CscPattern, amd_order};
 /// Blocks that are tied together: a graph whose nodes have unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct Graph<'g> {
-    /// The number of unknowns of each node.
+    /// The number of unknowns of each node, at least 1.
     pub unknowns: &'g [u8],
     /// Ties, ascending, the lower number first.
     pub pairs: &'g [[u32; 2]],
@@ -95,7 +95,7 @@ impl Renumbered {
 }
 
 /// An order of elimination: that of least degree, or that of nested dissection, whichever takes less work. Children of the elimination
-/// tree stand right before their parents. `at` says where the nodes are; it bears on the order only. `None` when memory is exceeded.
+/// tree stand right before their parents. `at` says where the nodes are; it bears on the order only. `None` above 2³⁰ ties.
 pub fn elimination_order(graph: Graph<'_>, at: &[[f64; 3]]) -> Option<Vec<u32>> {
     let mut best: Option<(u64, Vec<u32>)> = None;
     for order in [least_degree(graph)?, dissection(graph, at)] {
@@ -114,6 +114,7 @@ fn least_degree(graph: Graph<'_>) -> Option<Vec<u32>> {
     let size = graph.unknowns.len();
     let mut both: Vec<[u32; 2]> = graph.pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
     both.sort_unstable();
+    i32::try_from(both.len()).ok()?;
     let mut begins = vec![0; size + 1];
     both.iter().for_each(|&[node, _]| begins[node as usize + 1] += 1);
     for k in 1..begins.len() {
@@ -215,4 +216,24 @@ fn postorder(columns: &Columns) -> Vec<u32> {
     }
     order.reverse();
     order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid, whose corners go first, and a hub of 400 nodes, which goes last. Which order is found bears on last bits.
+    #[test]
+    fn orders_of_least_degree_are_the_ones_known() {
+        let grid: Vec<[u32; 2]> = (0..9u32)
+            .flat_map(|node| [(node % 3 < 2).then_some([node, node + 1]), (node < 6).then_some([node, node + 3])])
+            .flatten()
+            .collect();
+        let order = least_degree(Graph { unknowns: &[6; 9], pairs: &grid }).expect("an order");
+        assert_eq!(order, [2, 8, 0, 6, 3, 1, 5, 7, 4]);
+        let hub: Vec<[u32; 2]> = (1..401).map(|node| [0, node]).collect();
+        let order = least_degree(Graph { unknowns: &[6; 401], pairs: &hub }).expect("an order");
+        assert_eq!(order.last(), Some(&0));
+        assert_eq!(order.len(), 401);
+    }
 }

@@ -6,7 +6,7 @@
 
 use crate::kernels::{Columns, Packed, RowProducts, divide_rows, factor_square};
 use crate::pattern::{Panel, PanelRow, Pattern};
-use crate::subtrees::{Division, Subtrees};
+use crate::subtrees::{Division, Subtrees, Threads};
 use num_traits::Float;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -33,17 +33,21 @@ const ROWS: usize = 96;
 
 /// Cholesky's method, left-looking: each panel that is marked is filled, gathers what the earlier ones take from it, then is factored as
 /// a dense one.
+///
+/// # Errors
+/// The first pivot that is not positive and finite.
 pub fn factor<R: Float + Send + Sync>(
     pattern: &Pattern,
     values: &mut [R],
     marked: &[bool],
     fill: &Fill<'_, R>,
+    threads: Threads,
 ) -> Result<(), Singular> {
     let cost = |panel: usize| {
         let Panel { width, height, .. } = pattern.panels()[panel];
         if marked[panel] { (width * height * height) as u64 } else { 0 }
     };
-    let work = Work { pattern, marked, fill, subtrees: Subtrees::new(pattern, WORTH_A_THREAD, cost) };
+    let work = Work { pattern, marked, fill, subtrees: Subtrees::new(pattern, threads.worth(WORTH_A_THREAD), cost) };
     work.forest(work.subtrees.all(), Values { numbers: values, base: 0 }).map_or(Ok(()), Err)
 }
 
@@ -150,7 +154,7 @@ impl<R: Float + Send + Sync> Work<'_, R> {
         self.factor_panel(panel, own, shared).map_err(|unknown| Singular { unknown: panel.begin + unknown })
     }
 
-    /// Factors the square of a panel and divides the rows below by the factor, some rows at a time. Tells the first pivot that is not positive.
+    /// Factors the square of a panel and divides the rows below by the factor, some rows at a time. Tells the first pivot that is not positive and finite.
     fn factor_panel(&self, panel: &Panel, own: &mut [R], shared: bool) -> Result<(), usize> {
         let count = (panel.height - panel.width).div_ceil(ROWS);
         let mut square = Vec::with_capacity(panel.width);

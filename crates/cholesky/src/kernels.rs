@@ -1,8 +1,9 @@
 //! Dense work on columns: products of rows, Cholesky's method, and rows divided by a factor.
 //!
-//! Every number is a sum in an order of its own, from the first column to the last, and is calculated alike whatever stands beside it: the same bits
-//! however rows are cut, and on any number of threads. Products are added without being rounded where the processor has vectors and such
-//! instructions (x86-64 with AVX2 and FMA, 64-bit ARM); all such processors find the same bits, and all others the same as one another.
+//! Every number is a sum in an order of its own, from the first column to the last, and is calculated alike whatever other rows there are: the same
+//! bits however rows are cut, and on any number of threads. Products with columns of earlier groups of four are added without being rounded
+//! where the processor has vectors with such instructions (x86-64-v3: AVX2, FMA and what goes with them; 64-bit ARM): all such processors find the same
+//! bits, and all others the same as one another.
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,8 @@
 //! Cholesky factors of sparse symmetric matrices whose unknowns come in small groups, those of blocks.
 //!
 //! [`Graph`] says which blocks are tied together, [`elimination_order`] in which order they are eliminated, [`Pattern`] where values stand;
-//! [`factor`] and [`substitute`] solve. The same bits on any number of threads and on every machine.
+//! [`factor`] and [`substitute`] solve. The same bits on any number of threads, and on all
+//! processors with fused products.
 
 mod elimination_order;
 mod factor;
@@ -14,3 +15,4 @@ pub use elimination_order::{Graph, Renumbered, elimination_order};
 pub use factor::{Fill, Singular, factor};
 pub use pattern::{BlockSlot, Pattern};
 pub use substitution::{backward, forward, substitute};
+pub use subtrees::Threads;

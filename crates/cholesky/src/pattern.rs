@@ -70,7 +70,7 @@ struct PanelDraft {
 }
 
 impl Pattern {
-    /// Panels begin at multiples of so many values, so that they are aligned alike whatever is computed of them.
+    /// Panels begin at multiples of so many values, so that they can be aligned, which makes them faster to read.
     pub const ALIGNED: usize = 16;
 
     /// Of all unknowns of the nodes, as one panel.

@@ -8,7 +8,7 @@
 mod tests;
 
 use crate::pattern::{Panel, Pattern};
-use crate::subtrees::{Division, Subtrees};
+use crate::subtrees::{Division, Subtrees, Threads};
 use num_traits::Float;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -17,8 +17,8 @@ use std::ops::Range;
 const WORTH_A_THREAD: u64 = 100_000;
 
 /// Solves in place by the values of a factor.
-pub fn substitute<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
-    let substitution = Substitution::new(pattern, values, WORTH_A_THREAD);
+pub fn substitute<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R], threads: Threads) {
+    let substitution = Substitution::new(pattern, values, threads.worth(WORTH_A_THREAD));
     substitution.forth(solution);
     substitution.back(solution);
 }

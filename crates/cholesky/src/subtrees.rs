@@ -6,6 +6,25 @@
 use crate::pattern::Pattern;
 use std::ops::Range;
 
+/// Who shares the work. The bits are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Threads {
+    /// All threads of rayon's pool, where the work is worth it.
+    Shared,
+    /// The thread that asks, which begins no pool.
+    One,
+}
+
+impl Threads {
+    /// How much work is worth a thread.
+    pub(super) fn worth(self, of_shared: u64) -> u64 {
+        match self {
+            Threads::Shared => of_shared,
+            Threads::One => u64::MAX / 2,
+        }
+    }
+}
+
 /// The tree of elimination, and what the work on each panel costs.
 pub(super) struct Subtrees<'s> {
     pattern: &'s Pattern,

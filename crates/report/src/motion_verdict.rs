@@ -113,7 +113,7 @@ fn deeper(runs: &[MotionRun]) -> Option<String> {
         .map(|of| audits().map(|(_, audit)| of(audit)).sum::<u64>());
     let all = counted(all, "step", "steps");
     Some(format!(
-        "deeper than `penetration` after {} of {all} (at most {} m, in {})",
+        "blocks overlap deeper than `penetration` after {} of {all} (at most {} m, in {})",
         grouped(steps),
         short(depth),
         worst.name

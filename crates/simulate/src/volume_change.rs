@@ -34,7 +34,7 @@ impl VolumeChange {
             after / before
         });
         let changed: Vec<(usize, f64)> =
-            factors.enumerate().filter(|(_, factor)| (factor - 1.0).abs() > MIN_SHARE).collect();
+            factors.enumerate().filter(|(_, factor)| factor.is_finite() && (factor - 1.0).abs() > MIN_SHARE).collect();
         let most = changed.iter().rev().max_by(|one, other| (one.1 - 1.0).abs().total_cmp(&(other.1 - 1.0).abs()));
         let is_linear = scene.simulation.control.kinematics == Kinematics::Linear;
         most.map(|&(worst, factor)| VolumeChange { blocks: changed.len(), worst, factor, is_linear })
@@ -47,8 +47,11 @@ impl VolumeChange {
             1 => String::new(),
             _ => format!("; {blocks} blocks changed by more than 1 %"),
         };
-        let why =
-            if *is_linear { "; kinematics \"linear\" makes blocks grow that turn, \"cayley\" does not" } else { "" };
+        let why = if *is_linear && *factor > 1.0 {
+            "; kinematics \"linear\" makes blocks grow that turn, \"cayley\" does not"
+        } else {
+            ""
+        };
         format!("block {worst} has {factor:.3} times the volume that it began with{others}{why}")
     }
 }

@@ -275,7 +275,8 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize) -> std::
             match tried.iter().all(|other| other.measurement.steps_measured.deep > 0) {
                 true =>
                     "So they do under every set tried: joints are too soft for the loads, or no contact is there (`simulate --audit` tells)",
-                false => "Under some other sets they do not, but these are worse in what is compared before this",
+                false =>
+                    "Under some other sets they do not, but these are worse in what is compared before, or were not compared that far",
             }
         )?;
     }

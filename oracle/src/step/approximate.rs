@@ -1,7 +1,7 @@
 //! The f64 stiffness of a step and its factor: corrects approximate solutions, proves nothing.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use rockproof_cholesky::{Graph, Pattern, Renumbered, elimination_order, factor, substitute};
+use rockproof_cholesky::{Graph, Pattern, Renumbered, Threads, elimination_order, factor, substitute};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -48,7 +48,7 @@ struct Coupling {
 }
 
 impl BlockPattern {
-    /// `None` where it exceeds memory.
+    /// `None` above 2³⁰ couplings.
     fn new(layout: &Layout) -> Option<BlockPattern> {
         let unknowns: Vec<u8> = (0..layout.below.len()).map(|block| layout.size(block) as u8).collect();
         let met = layout.below.iter().enumerate();
@@ -174,7 +174,8 @@ impl<'l> Stiffness<'l> {
         let pattern = layout.pattern()?;
         let mut values = vec![0.0; pattern.pattern.values()];
         let all = vec![true; pattern.pattern.panel_count()];
-        factor(&pattern.pattern, &mut values, &all, &|panel, own: &mut [f64]| self.fill(pattern, panel, own)).ok()?;
+        let fill = |panel: usize, own: &mut [f64]| self.fill(pattern, panel, own);
+        factor(&pattern.pattern, &mut values, &all, &fill, Threads::One).ok()?;
         Some(Approximate::Sparse { pattern: pattern.clone(), values })
     }
 
@@ -224,12 +225,73 @@ impl Approximate {
                 for (inside, outside) in pattern.unknowns() {
                     solution[inside].copy_from_slice(&right[outside]);
                 }
-                substitute(&pattern.pattern, values, &mut solution);
+                substitute(&pattern.pattern, values, &mut solution, Threads::One);
                 for (inside, outside) in pattern.unknowns() {
                     right[outside].copy_from_slice(&solution[inside]);
                 }
                 right
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers between -1 and 1.
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (self.0 >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+        }
+    }
+
+    /// Blocks of 6 and of 12 unknowns in a ring, each tied to two others as well, numbered so that many are eliminated in another order.
+    #[test]
+    fn a_sparse_solution_is_that_of_dense_elimination() {
+        let sizes: Vec<usize> = (0..13).map(|block| if block % 3 == 1 { 6 } else { 12 }).collect();
+        let count = sizes.len();
+        let pairs = (0..count).flat_map(|i| [[i, (i + 1) % count], [(i + 4) % count, i]]);
+        let at = (0..count).map(|block| [(block * 7 % count) as f64, (block * 5 % count) as f64, 0.0]).collect();
+        let layout = Layout::new(&sizes, pairs.clone(), at);
+        let n = layout.unknowns();
+        assert!(n > DENSE);
+        let mut numbers = Numbers(1);
+        let mut square = |own: f64| -> Square {
+            let mut square = [[0.0; 12]; 12];
+            for r in 0..12 {
+                for c in 0..=r {
+                    let value = if r == c { own } else { numbers.next() };
+                    (square[r][c], square[c][r]) = (value, value);
+                }
+            }
+            square
+        };
+        let mut stiffness = Stiffness::new(&layout, sizes.iter().map(|_| square(80.0)).collect());
+        let mut numbers = Numbers(2);
+        for [i, j] in pairs {
+            let coupling = stiffness.coupling(i, j).expect("a coupling");
+            coupling.iter_mut().flatten().for_each(|value| *value = numbers.next());
+        }
+        let mut whole = DMatrix::zeros(n, n);
+        layout.entries(|row, column, place, r, c| {
+            let block = layout.starts.partition_point(|&start| start <= column) - 1;
+            let entry = place.map_or(stiffness.diagonal[block][r][c], |(_, place)| stiffness.beside[place][r][c]);
+            (whole[(row, column)], whole[(column, row)]) = (entry, entry);
+        });
+        let turned = layout.pattern().expect("a pattern").columns.iter().flatten();
+        let turned: Vec<bool> = turned.map(|coupling| coupling.is_transposed).collect();
+        assert!(turned.contains(&true) && turned.contains(&false));
+        let right: Vec<f64> = (0..n).map(|_| numbers.next()).collect();
+        let factor = stiffness.factor().expect("a factor");
+        assert!(matches!(factor, Approximate::Sparse { .. }));
+        let found = factor.solve(right.clone());
+        let expected = whole.lu().solve(&DVector::from_vec(right)).expect("a solution");
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() < 1e-13, "{found} {expected}");
         }
     }
 }

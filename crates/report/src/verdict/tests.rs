@@ -239,7 +239,7 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     // The third is deepest, but no deeper than its `penetration`.
     let deep = [("one", deep(2, 0.25)), ("two", deep(3, 0.5)), ("three", deep(0, 0.75))];
     let lines = of(run.clone(), deep.map(|(name, audit)| motion(name, Some(audit))).into());
-    let told = "No passage and no unseen overlap in 15 audited steps of 3 of 3 runs; deeper than `penetration` after 5 of 15 steps (at most 0.500 m, in two).";
+    let told = "No passage and no unseen overlap in 15 audited steps of 3 of 3 runs; blocks overlap deeper than `penetration` after 5 of 15 steps (at most 0.500 m, in two).";
     assert!(has(&lines, Severity::Fair, told), "{lines:?}");
     let open = AuditTotals { undecided: Some(1), ..sound.clone() };
     assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: no unseen overlap"));

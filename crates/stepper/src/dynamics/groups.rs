@@ -18,7 +18,7 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    /// Of a graph of blocks whose places and centroids (m) are given. `None` when a pattern exceeds memory.
+    /// Of a graph of blocks whose places and centroids (m) are given. `None` above 2³⁰ ties.
     pub(super) fn new(graph: Graph<'_>, places: &[u32], at: &[[f64; 3]]) -> Option<Groups> {
         let mut nodes: Vec<u32> = (0..places.len() as u32).collect();
         let mut group_of = vec![0; places.len()];

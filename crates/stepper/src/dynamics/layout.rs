@@ -90,7 +90,7 @@ impl Layouts {
         self.known.retain(|_, (_, used)| std::mem::take(used));
     }
 
-    /// The layout of an island. Small ones keep the order of the blocks. `None` when a pattern exceeds memory.
+    /// The layout of an island. Small ones keep the order of the blocks. `None` above 2³⁰ ties.
     pub(super) fn of(&mut self, couplings: &Couplings) -> Option<Arc<IslandLayout>> {
         if let Some((layout, used)) = self.known.get_mut(couplings) {
             *used = true;
