@@ -1,5 +1,7 @@
 //! What a search says to the one who asked.
 
+// Longer than 400 lines: one text, paragraph by paragraph as it is read.
+
 use super::evaluator::Measurement;
 use super::search::{EvaluatedCandidate, Search, formulas};
 use super::{Cluster, Evaluator};
