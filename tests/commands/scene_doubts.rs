@@ -58,9 +58,10 @@ fn loads_press_along_their_own_direction_with_gravity_across_and_without() {
 
 #[test]
 fn loads_pass_on_to_what_stands_before() {
-    // A row of two cubes, the first one loaded; the one behind it is held by two fixed points of 3e9 N/m as well.
+    // A row of two cubes, the first one loaded; the one behind it is held by three fixed points of 3e9 N/m as well.
     let behind = "[[block]]\nname = \"c\"\nbox = { min = [-2, 0, 0], max = [-1, 1, 1] }\n[[load]]\nblock = \"c\"\nat = [-2, 0.5, 0.5]\nforce = [1e8, 0, 0]\n\
-        [[fixed_point]]\nblock = \"c\"\nat = [-2, 0.5, 0.5]\nstiffness = 3e9\n[[fixed_point]]\nblock = \"c\"\nat = [-2, 0, 0.5]\nstiffness = 3e9\n";
+        [[fixed_point]]\nblock = \"c\"\nat = [-2, 0.5, 0.5]\nstiffness = 3e9\n[[fixed_point]]\nblock = \"c\"\nat = [-2, 0, 0.5]\nstiffness = 3e9\n\
+        [[fixed_point]]\nblock = \"c\"\nat = [-2, 0, 0]\nstiffness = 3e9\n";
     let found = warned(&against_wall("1e9", "[0, 0, 0]", behind), "load", SINKS).expect("a warning");
     assert!(found.contains("found 0.025, allowed 0.02 (block 1)"), "{found}");
 }

@@ -2,15 +2,18 @@
 //!
 //! [`check`] knows blocks alone; [`check_scene`] also knows what they weigh and how stiff their joints are.
 
+mod along_faces;
 mod column;
 mod extremes;
 mod fall;
 mod hanging;
 mod largest;
 mod load;
+mod load_sums;
 mod pressing;
 mod properties;
 mod remedy;
+mod shape;
 mod speed;
 mod stiffness;
 mod strain;

@@ -155,16 +155,20 @@ pub struct PointLoad {
 impl PointLoad {
     /// The force when time begins (N), to the nearest f64.
     pub fn at_start(&self) -> [f64; 3] {
+        self.force_at(&Number::ZERO)
+    }
+
+    /// The force at a time (N), to the nearest f64.
+    pub(crate) fn force_at(&self, now: &Number) -> [f64; 3] {
         let near = |force: &Vec3<Number>| force.components().map(Number::approximate);
-        let after = self.table.iter().position(|(time, _)| *time > Number::ZERO);
-        match after {
-            None => self.table.last().map_or([0.0; 3], |(_, force)| near(force)),
-            Some(0) => near(&self.table[0].1),
-            Some(next) => {
+        match self.table.partition_point(|(time, _)| time <= now) {
+            0 => near(&self.table[0].1),
+            next if next == self.table.len() || self.table[next - 1].0 == *now => near(&self.table[next - 1].1),
+            next => {
                 let [(before, from), (then, to)] = [&self.table[next - 1], &self.table[next]];
-                let (before, then) = (before.approximate(), then.approximate());
+                let [before, then, now] = [before, then, now].map(Number::approximate);
                 let (from, to) = (near(from), near(to));
-                std::array::from_fn(|k| from[k] + (to[k] - from[k]) * (-before / (then - before)))
+                std::array::from_fn(|k| from[k] + (to[k] - from[k]) * ((now - before) / (then - before)))
             }
         }
     }

@@ -1,28 +1,39 @@
 //! How blocks press on one another along a direction, such as gravity or that of a load: of each block before another one the share of its plan that is over that one.
 
+use super::shape::{Shape, largest, minus};
 use super::stiffness::{blocks_by_joint, nearby_softest};
 use crate::block::Block;
 use crate::number::Number;
 use crate::scene::Scene;
 use crate::simulation::{Body, derive_stiffness_of, moving_blocks, smallest_face};
 use crate::tolerance::ToleranceSet;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 /// A block as others press on it along a direction: its box along two directions across that one and against it, what it weighs and what it rests on.
 pub(super) struct Column {
+    /// Which block.
+    pub(super) block: usize,
     low: [f64; 3],
     high: [f64; 3],
+    /// The area of its plan (m²); of a block that is not convex no less.
+    pub(super) area: f64,
     /// Along the direction (N); `None` of a fixed block, which bears what is above it.
     pub(super) weight: Option<f64>,
     /// What loads press it along the direction with (N), where they are counted; along gravity negative lifts it.
     pub(super) pushed: f64,
     /// The softest normal stiffness it can meet times the corners of its smallest face (N/m).
     pub(super) contacts: f64,
-    /// The stiffness of its fixed points (N/m).
+    /// The stiffness of its fixed points (N/m), if these hold it wherever it is pressed: if three of them are not in line.
     pub(super) held: f64,
 }
 
 impl Column {
+    /// Its box along two directions across the direction and against that.
+    pub(super) fn sides(&self) -> [[f64; 3]; 2] {
+        [self.low, self.high]
+    }
+
     pub(super) fn middle(&self) -> f64 {
         f64::midpoint(self.low[2], self.high[2])
     }
@@ -46,12 +57,15 @@ pub(super) struct ColumnSource<'s> {
     pub(super) masses: Vec<Option<f64>>,
     /// As in [`Column`].
     pub(super) contacts: Vec<f64>,
-    /// As in [`Column`].
+    /// The stiffness of its fixed points (N/m).
     pub(super) held: Vec<f64>,
+    /// Whether three of its fixed points are not in line.
+    is_clamped: Vec<bool>,
+    shapes: OnceCell<Vec<Shape<'s>>>,
 }
 
-impl ColumnSource<'_> {
-    pub(super) fn of<'s>(set: &ToleranceSet, scene: &'s Scene) -> ColumnSource<'s> {
+impl<'s> ColumnSource<'s> {
+    pub(super) fn of(set: &ToleranceSet, scene: &'s Scene) -> ColumnSource<'s> {
         let mut simulation = scene.simulation.clone();
         let bodies: Vec<(&Block, &Body)> = scene.blocks.iter().map(|b| (&b.block, &b.body)).collect();
         let moving = moving_blocks(&bodies);
@@ -68,25 +82,44 @@ impl ColumnSource<'_> {
         for point in &simulation.fixed_points {
             held[point.block] += point.stiffness.as_ref().or(stiffest).map_or(0.0, Number::approximate);
         }
-        ColumnSource { scene, masses, contacts, held }
+        let mut points: BTreeMap<usize, Vec<[f64; 3]>> = BTreeMap::new();
+        for fixed in &simulation.fixed_points {
+            points.entry(fixed.block).or_default().push(point(&fixed.at));
+        }
+        let is_clamped = (0..scene.blocks.len()).map(|block| points.get(&block).is_some_and(|all| !in_line(all)));
+        ColumnSource { scene, masses, contacts, held, is_clamped: is_clamped.collect(), shapes: OnceCell::new() }
     }
 
-    /// All blocks along a direction (a unit vector), without loads; `pull` (m/s²) is what weights pull along it with.
-    pub(super) fn along(&self, down: [f64; 3], pull: f64) -> Vec<Column> {
-        let axes = across_and_against(down);
-        let column = |block: usize| {
-            let [low, high] = box_along(self.scene.blocks[block].block.vertices().iter().map(point), axes);
-            let weight = self.masses[block].map(|mass| mass * pull);
-            Column { low, high, weight, pushed: 0.0, contacts: self.contacts[block], held: self.held[block] }
-        };
-        (0..self.masses.len()).map(column).collect()
+    /// The blocks in f64.
+    pub(super) fn shapes(&self) -> &[Shape<'s>] {
+        self.shapes.get_or_init(|| self.scene.blocks.iter().map(|one| Shape::of(&one.block)).collect())
+    }
+
+    /// A block along a direction (a unit vector), without loads; `pull` (m/s²) is what weights pull along it with.
+    pub(super) fn column(&self, block: usize, down: [f64; 3], pull: f64) -> Column {
+        let shape = &self.shapes()[block];
+        let [low, high] = box_along(shape.points.iter().copied(), across_and_against(down));
+        // Only of a block that is not convex the faces may be seen to be more than the box.
+        let area = shape.plan(down).min((high[0] - low[0]) * (high[1] - low[1]));
+        let held = if self.is_clamped[block] { self.held[block] } else { 0.0 };
+        let weight = self.masses[block].map(|mass| mass * pull);
+        Column { block, low, high, area, weight, pushed: 0.0, contacts: self.contacts[block], held }
     }
 
     /// All blocks along gravity, without loads; `None` without gravity.
     pub(super) fn along_gravity(&self) -> Option<Vec<Column>> {
         let (down, pull) = gravity(self.scene)?;
-        Some(self.along(down, pull))
+        Some((0..self.masses.len()).map(|block| self.column(block, down, pull)).collect())
     }
+}
+
+/// Whether points are all in one line, but for rounding.
+fn in_line(points: &[[f64; 3]]) -> bool {
+    let arms = || points.iter().map(|at| minus(*at, points[0]));
+    let Some((longest, square)) = largest(arms().map(|arm| (arm, dot(arm, arm)))) else { return true };
+    let across = |arm: [f64; 3]| dot(arm, arm) - dot(arm, longest).powi(2) / square;
+    // Nearer to the line than a ten-thousandth of its length is on it.
+    !arms().any(|arm| across(arm) > 1e-8 * square)
 }
 
 /// The direction of gravity, and how much it is (m/s²); `None` without.
@@ -177,7 +210,7 @@ impl Plans {
     }
 
     /// The blocks whose plans may overlap that of a block, each once.
-    fn near(&self, one: &Column) -> Vec<usize> {
+    pub(super) fn near(&self, one: &Column) -> Vec<usize> {
         let listed = |at| self.squares.get(&at).into_iter().flatten();
         let mut near: Vec<usize> = match self.squares_of(one) {
             Some(squares) => squares.flat_map(listed).copied().collect(),

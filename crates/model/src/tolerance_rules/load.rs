@@ -1,6 +1,7 @@
 //! Whether a block sinks deeper than `penetration` under the blocks above it and under loads: an estimate. The rule of SPEC section 3 counts a block's own weight.
 
 use super::column::{Column, ColumnSource, Plans, borne, carried, dot, total};
+use super::shape::largest;
 use super::six_digits;
 use super::warning::{Warning, WarningKind};
 use crate::number::Number;
@@ -9,46 +10,55 @@ use crate::simulation::smallest_face;
 use crate::tolerance::ToleranceSet;
 
 /// The block that would sink deepest under its own weight, its loads and what those above it press down with, if that is deeper than `penetration`;
-/// `None` where `penetration` is 0, which the rules refuse. `directions` are those of [`loaded_columns`](super::pressing::loaded_columns).
+/// `None` where `penetration` is 0, which the rules refuse. `sunk` is that of [`worst`](super::pressing::worst).
 ///
 /// Of each block above, that share counts which its plan (the box of its vertices across gravity) has over this block's plan; what is above a fixed
 /// block in between does not count. Of equally deep blocks it is the first. The block rests on as many contacts as its smallest face has corners, each of the softest normal stiffness that
 /// it can meet, and on its fixed points. Blocks lean on one another and arches carry what is above them, so this is an estimate, in f64. Along the other directions in which loads press, above means before.
-pub(super) fn load(set: &ToleranceSet, scene: &Scene, directions: &[Vec<Column>]) -> Option<Warning> {
+pub(super) fn load(set: &ToleranceSet, scene: &Scene, sunk: Option<&Sunk>) -> Option<Warning> {
     let allowed = set.penetration.approximate();
-    if allowed <= 0.0 {
-        return None;
-    }
-    let deepest = directions.iter().enumerate().filter_map(|(place, columns)| {
-        let (block, depth) = deepest(columns, allowed)?;
-        Some((place, block, depth))
-    });
-    let (place, block, depth) = deepest.reduce(|deepest, next| if next.2 > deepest.2 { next } else { deepest })?;
-    let one = &directions[place][block];
+    let &Sunk { block, depth, borne, contacts, held } = sunk?;
     let corners = smallest_face(&scene.blocks[block].block) as f64;
-    let needed = (depth * one.resistance() / allowed - one.held) / corners;
+    let needed = (borne / allowed - held) / corners;
     // A stiffness that is derived may fall with a larger `penetration`, which then mends nothing.
     let deeper = ToleranceSet { penetration: Number::from_f64(depth).unwrap_or(Number::ZERO), ..set.clone() };
-    let is_mended = ColumnSource::of(&deeper, scene).contacts[block] >= one.contacts;
+    let is_mended = ColumnSource::of(&deeper, scene).contacts[block] >= contacts;
     let stiffness = format!("normal_stiffness ≥ {}", six_digits(needed, true, false));
     let penetration = is_mended.then(|| format!("penetration ≥ {}", six_digits(depth, true, false)));
     let remedy = [Some(stiffness), penetration].into_iter().flatten().collect::<Vec<_>>().join(" or ");
     Some(Warning { kind: WarningKind::Load, block: Some(block), found: depth, allowed, remedy })
 }
 
-/// The block that sinks deepest along a direction, if that is deeper than `allowed`.
-fn deepest(columns: &[Column], allowed: f64) -> Option<(usize, f64)> {
-    let moving = || columns.iter().enumerate().filter(|(_, one)| one.weight.is_some() && one.contacts > 0.0);
+/// A block that sinks deeper than `penetration`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Sunk {
+    pub(super) block: usize,
+    /// How deep (m); infinite where f64 cannot hold it.
+    pub(super) depth: f64,
+    /// Under what (N).
+    pub(super) borne: f64,
+    /// As in [`Column`].
+    pub(super) contacts: f64,
+    /// As in [`Column`].
+    pub(super) held: f64,
+}
+
+/// The block that sinks deepest along a direction, if that is deeper than `allowed`; `None` where `allowed` is 0.
+pub(super) fn deepest(columns: &[Column], allowed: f64) -> Option<Sunk> {
+    let moving = || columns.iter().filter(|one| one.weight.is_some() && one.contacts > 0.0);
     // Most scenes could bear all of it anywhere.
-    let softest = moving().map(|(_, one)| one.resistance()).fold(f64::INFINITY, f64::min);
-    let total = total(columns);
-    if total.is_nan() || total <= allowed * softest {
+    let softest = moving().map(Column::resistance).fold(f64::INFINITY, f64::min);
+    if allowed <= 0.0 || total(columns) <= allowed * softest {
         return None;
     }
     let plans = Plans::of(columns);
-    let depths = moving().map(|(block, one)| (block, borne(columns, &plans, one) / one.resistance()));
-    let deepest = depths.reduce(|deepest, next| if next.1 > deepest.1 { next } else { deepest })?;
-    (deepest.1 > allowed && deepest.1.is_finite()).then_some(deepest)
+    let depths = moving().map(|one| {
+        let borne = borne(columns, &plans, one);
+        ((one, borne), borne / one.resistance())
+    });
+    let ((one, borne), depth) = largest(depths)?;
+    let Column { block, contacts, held, .. } = *one;
+    (depth > allowed).then_some(Sunk { block, depth, borne, contacts, held })
 }
 
 /// What some blocks of a scene bear when time begins with their own weight, as the warning `load` estimates it (N), with the loads along gravity of the
@@ -66,18 +76,14 @@ pub fn weights_borne(set: &ToleranceSet, scene: &Scene, blocks: &[usize]) -> Vec
 
 #[cfg(test)]
 mod tests {
-    use super::super::pressing::loaded_columns;
-    use super::{load as of_directions, *};
+    use super::super::pressing::worst;
+    use super::{load as of_sunk, *};
     use crate::block::Block;
     use crate::simulation::PointLoad;
     use crate::{SceneBlock, Vec3};
 
-    fn columns(set: &ToleranceSet, scene: &Scene) -> Vec<Vec<Column>> {
-        loaded_columns(&ColumnSource::of(set, scene), set, scene)
-    }
-
     fn load(set: &ToleranceSet, scene: &Scene) -> Option<Warning> {
-        of_directions(set, scene, &columns(set, scene))
+        of_sunk(set, scene, worst(&ColumnSource::of(set, scene), set, scene).sunk.as_ref())
     }
 
     /// Cubes of 1 m³ and 2,500 kg on a fixed slab, at these corners; gravity 10 m/s² along an axis.
@@ -192,7 +198,8 @@ mod tests {
     fn a_grid_of_plans_leaves_nothing_out() {
         // Towers of 1 to 7 cubes in a row, over a slab that meets many squares.
         let corners: Vec<[i32; 3]> = (0..7).flat_map(|x| (0..=x).map(move |z| [x - 3, x - 3, z])).collect();
-        let columns = columns(&set(), &stacked(&corners, 2)).remove(0);
+        let scene = stacked(&corners, 2);
+        let columns = ColumnSource::of(&set(), &scene).along_gravity().unwrap();
         let plans = Plans::of(&columns);
         assert_eq!(plans.wide, [0]);
         for one in &columns {

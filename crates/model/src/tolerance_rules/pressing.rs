@@ -1,167 +1,87 @@
-//! The directions in which loads press blocks against others, whatever gravity does: those of faces that something stands against.
+//! What is worst along all directions in which weights and loads press blocks against others.
 
-use super::column::{Column, ColumnSource, across_and_against, box_along, dot, gravity, point};
-use super::strain::{MAX_STRAIN, deformable};
-use crate::block::Block;
+use super::along_faces::{AlongFaces, Effort, MOST};
+use super::column::{Column, ColumnSource, gravity};
+use super::load::{Sunk, deepest};
+use super::load_sums::{load_sums, most_along};
+use super::strain::{MAX_STRAIN, deformable, most_squashed};
+use super::warning::{Warning, WarningKind};
 use crate::number::Number;
 use crate::scene::Scene;
-use crate::simulation::PointLoad;
 use crate::tolerance::ToleranceSet;
-use crate::topology::VertexId;
-use std::collections::BTreeMap;
 
-/// The blocks along each direction in which something may be pressed: gravity, with the most that loads press along it at any time, and the directions of [`pushes`].
-/// Along those a weight counts only where it holds back: what it presses with is estimated along gravity.
-pub(super) fn loaded_columns(source: &ColumnSource<'_>, set: &ToleranceSet, scene: &Scene) -> Vec<Vec<Column>> {
-    let along_gravity = source.along_gravity().map(|mut columns| {
-        let down = gravity(scene).map_or([0.0; 3], |(down, _)| down);
-        for load in &scene.simulation.loads {
-            columns[load.block].pushed += forces(load).map(|force| dot(force, down)).fold(f64::NEG_INFINITY, f64::max);
+/// What is worst along all directions in which something may be pressed.
+#[derive(Default)]
+pub(super) struct Worst {
+    /// The block that sinks deepest, if that is deeper than `penetration`.
+    pub(super) sunk: Option<Sunk>,
+    /// The block that is squashed most, and its strain.
+    pub(super) squashed: Option<(usize, f64)>,
+    /// What the estimate along faces took.
+    pub(super) effort: Effort,
+}
+
+impl Worst {
+    fn add(&mut self, scene: &Scene, columns: &[Column], allowed: f64) {
+        let sunk = deepest(columns, allowed);
+        if self.sunk.as_ref().is_none_or(|before| sunk.as_ref().is_some_and(|next| next.depth > before.depth)) {
+            self.sunk = sunk.or(self.sunk.take());
         }
-        columns
-    });
-    let pulls = scene.simulation.gravity.components().map(Number::approximate);
-    let pushes = if may_press(source, set, scene) { pushes(set, scene) } else { Pushes::new() };
-    let along = pushes.into_values().map(|(direction, pushed)| {
-        let mut columns = source.along(direction, dot(pulls, direction).min(0.0));
-        pushed.into_iter().for_each(|(block, force)| columns[block].pushed = force);
-        columns
-    });
-    along_gravity.into_iter().chain(along).collect()
-}
-
-/// The forces of a load from time 0 on, at the ends of the stretches on which it is linear (N).
-pub(super) fn forces(load: &PointLoad) -> impl Iterator<Item = [f64; 3]> {
-    let later = load.table.iter().filter(|(time, _)| *time > Number::ZERO);
-    later.map(|(_, force)| force.components().map(Number::approximate)).chain([load.at_start()])
-}
-
-/// Whether all loads together could press a block deeper than `penetration` or strain it by more than [`MAX_STRAIN`], as most scenes' cannot.
-fn may_press(source: &ColumnSource<'_>, set: &ToleranceSet, scene: &Scene) -> bool {
-    if scene.simulation.loads.is_empty() {
-        return false;
+        let squashed = most_squashed(scene, columns);
+        if self.squashed.is_none_or(|(_, before)| squashed.is_some_and(|(_, next)| next > before)) {
+            self.squashed = squashed.or(self.squashed);
+        }
     }
-    let size = |force: [f64; 3]| dot(force, force).sqrt();
-    let total: f64 = scene.simulation.loads.iter().map(|load| forces(load).map(size).fold(0.0, f64::max)).sum();
+}
+
+/// The worst along gravity, with the most that loads press along it at any time, and along each face that something stands against.
+pub(super) fn worst(source: &ColumnSource<'_>, set: &ToleranceSet, scene: &Scene) -> Worst {
+    let (mut worst, allowed, loads) = (Worst::default(), set.penetration.approximate(), load_sums(scene));
+    if let Some((mut columns, (down, _))) = source.along_gravity().zip(gravity(scene)) {
+        for (block, sums) in &loads {
+            columns[*block].pushed = most_along(sums, down);
+        }
+        worst.add(scene, &columns, allowed);
+    }
+    if !loads.is_empty() {
+        let along_faces = AlongFaces { source, scene, loads, within: allowed, bearable: bearable(source, set, scene) };
+        worst.effort = along_faces.each(MOST, |columns| worst.add(scene, columns, allowed));
+    }
+    worst
+}
+
+/// Directions along which loads press that were not looked along, since a model is too large.
+pub(super) fn left_out(effort: &Effort) -> Option<Warning> {
+    let [all, looked_along] = effort.directions.map(|count| count as f64);
+    (looked_along < all).then(|| Warning {
+        kind: WarningKind::Loads,
+        block: None,
+        found: all,
+        allowed: looked_along,
+        remedy: "fewer blocks with loads, or a part of the model".to_owned(),
+    })
+}
+
+/// A force (N) that sinks no block deeper than `penetration` and strains none by more than [`MAX_STRAIN`], wherever it presses: most scenes' loads together are less.
+fn bearable(source: &ColumnSource<'_>, set: &ToleranceSet, scene: &Scene) -> f64 {
     let least = |all: &mut dyn Iterator<Item = f64>| all.filter(|one| *one > 0.0).fold(f64::INFINITY, f64::min);
     let softest = least(&mut source.contacts.iter().copied());
-    // No plan of a block is smaller than its volume over the diagonal of its box.
+    // No plan of a block is smaller than its volume over its height, which is no more than twice its radius.
     let area = |block: usize| {
-        let shape = &scene.blocks[block].block;
-        let [low, high] =
-            box_along(shape.vertices().iter().map(point), [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-        let diagonal = size(std::array::from_fn(|k| high[k] - low[k]));
-        Number::from_rational(shape.volume()).approximate() / diagonal
+        Number::from_rational(scene.blocks[block].block.volume()).approximate() / (2.0 * source.shapes()[block].radius)
     };
-    let weakest = least(&mut deformable(scene).map(|(block, young)| young * area(block)));
-    total > set.penetration.approximate() * softest || total > MAX_STRAIN * weakest
-}
-
-/// Directions (unit vectors) by their rounded components, each with the blocks that loads press along it and how much at most (N).
-type Pushes = BTreeMap<[i64; 3], ([f64; 3], BTreeMap<usize, f64>)>;
-
-/// What a load presses a block with along each face that something stands against, gravity's direction left out; of several loads on one block the sum of what each presses at most.
-///
-/// A contact pushes along the normal of a face of one of the two blocks (but for crossing edges). So a load F presses with F·n along the outward normal n of a face of its block that
-/// another block is wholly in front of, and along −n for a face of another block that the loaded one is wholly in front of, where the two overlap seen along n. How far
-/// apart they are does not matter: the load goes on. In front means by no more than `penetration` behind the plane. Of a block that is not convex, whatever is ahead of a face stands against it.
-fn pushes(set: &ToleranceSet, scene: &Scene) -> Pushes {
-    let down = gravity(scene).map(|(down, _)| down);
-    let mut loads: BTreeMap<usize, Vec<&PointLoad>> = BTreeMap::new();
-    for load in scene.simulation.loads.iter().filter(|load| !scene.blocks[load.block].body.is_fixed()) {
-        loads.entry(load.block).or_default().push(load);
-    }
-    let shapes: Vec<Shape<'_>> =
-        if loads.is_empty() { Vec::new() } else { scene.shapes().into_iter().map(Shape::of).collect() };
-    let mut pushes = Pushes::new();
-    for (block, loads) in loads {
-        let pressed = |n: [f64; 3]| -> f64 {
-            loads.iter().map(|load| forces(load).map(|force| dot(force, n)).fold(0.0, f64::max)).sum()
-        };
-        for n in directions_against(&shapes, block, set.penetration.approximate(), |n| pressed(n) > 0.0) {
-            if down.is_some_and(|down| dot(down, n) > 1.0 - 1e-12) {
-                continue;
-            }
-            let (_, blocks) = pushes.entry(n.map(|part| (part * 1e7).round() as i64)).or_insert((n, BTreeMap::new()));
-            blocks.insert(block, pressed(n));
-        }
-    }
-    pushes
-}
-
-/// Whether anything stands against a block that is pushed by a force, as [`pushes`] has it.
-pub(super) fn stands_against(set: &ToleranceSet, scene: &Scene, block: usize, force: [f64; 3]) -> bool {
-    let shapes: Vec<Shape<'_>> = scene.shapes().into_iter().map(Shape::of).collect();
-    !directions_against(&shapes, block, set.penetration.approximate(), |n| dot(force, n) > 0.0).is_empty()
-}
-
-/// A block in f64.
-struct Shape<'b> {
-    block: &'b Block,
-    points: Vec<[f64; 3]>,
-    /// The outward unit normal of each face with area, and its loop.
-    faces: Vec<([f64; 3], &'b [VertexId])>,
-}
-
-impl Shape<'_> {
-    fn of(block: &Block) -> Shape<'_> {
-        let points: Vec<[f64; 3]> = block.vertices().iter().map(point).collect();
-        let normal = |face: &[VertexId]| {
-            let arm = |vertex: VertexId| -> [f64; 3] {
-                std::array::from_fn(|k| points[vertex.index()][k] - points[face[0].index()][k])
-            };
-            let sum = face[1..].windows(2).fold([0.0; 3], |sum: [f64; 3], pair| {
-                let ([a, b, c], [x, y, z]) = (arm(pair[0]), arm(pair[1]));
-                [sum[0] + b * z - c * y, sum[1] + c * x - a * z, sum[2] + a * y - b * x]
-            });
-            let length = dot(sum, sum).sqrt();
-            (length > 0.0).then(|| sum.map(|part| part / length))
-        };
-        let faces = block.topology().faces().iter().filter_map(|face| Some((normal(face)?, face.as_slice()))).collect();
-        Shape { block, points, faces }
-    }
-
-    fn corners<'s>(&'s self, face: &'s [VertexId]) -> impl Iterator<Item = [f64; 3]> + 's {
-        face.iter().map(|vertex| self.points[vertex.index()])
-    }
-}
-
-/// The directions n along which another block stands against a block, of those for which `is_asked`.
-fn directions_against(
-    shapes: &[Shape<'_>],
-    block: usize,
-    within: f64,
-    is_asked: impl Fn([f64; 3]) -> bool,
-) -> Vec<[f64; 3]> {
-    let own = &shapes[block];
-    let others = || shapes.iter().enumerate().filter(|(other, _)| *other != block).map(|(_, other)| other);
-    let of_own = own.faces.iter().filter(|(n, _)| is_asked(*n));
-    let of_own = of_own.filter(|(n, face)| others().any(|other| is_ahead(*n, (own, face), other, within)));
-    let of_others =
-        others().flat_map(|other| other.faces.iter().map(move |(n, face)| (other, n.map(|part| -part), face)));
-    let of_others = of_others.filter(|(_, n, _)| is_asked(*n));
-    let of_others = of_others.filter(|(other, n, face)| is_ahead(n.map(|part| -part), (other, face), own, within));
-    of_own.map(|(n, _)| *n).chain(of_others.map(|(_, n, _)| n)).collect()
-}
-
-/// Whether a block is in front of a face of another one and overlaps it seen along the normal.
-fn is_ahead(normal: [f64; 3], (owner, face): (&Shape<'_>, &[VertexId]), other: &Shape<'_>, within: f64) -> bool {
-    let axes = across_and_against(normal);
-    let [face_low, face_high] = box_along(owner.corners(face), axes);
-    let [low, high] = box_along(other.points.iter().copied(), axes);
-    // The third axis is against the normal: what is in front of the face is lower.
-    let is_convex = owner.block.is_convex() && other.block.is_convex();
-    let is_in_front = if is_convex { high[2] <= face_high[2] + within } else { low[2] < face_low[2] - within };
-    // What touches along an edge alone does not overlap, but for rounding.
-    let overlap = |axis: usize| face_high[axis].min(high[axis]) - face_low[axis].max(low[axis]);
-    is_in_front && (0..2).all(|axis| overlap(axis) > 1e-6 * (face_high[axis] - face_low[axis]))
+    let weakest = MAX_STRAIN * least(&mut deformable(scene).map(|(block, young)| young * area(block)));
+    let penetration = set.penetration.approximate();
+    if penetration > 0.0 { weakest.min(penetration * softest) } else { weakest }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::FixedPoint;
+    use crate::block::{Block, BlockOptions};
+    use crate::simulation::{FixedPoint, PointLoad};
     use crate::tolerance_rules::{WarningKind, warnings};
+    use crate::topology::VertexId;
     use crate::{SceneBlock, Vec3};
 
     fn at(c: [i32; 3]) -> Vec3<Number> {
@@ -173,7 +93,7 @@ mod tests {
     }
 
     /// A rigid cube of 25 kN between a fixed floor and a fixed roof 1 m above it, beside a fixed wall, with contacts of 125,000 N/m and a load; how deep it sinks, if deeper than 12.5 cm.
-    fn depth(force: [i32; 3], held: Option<i32>) -> Option<f64> {
+    fn depth(force: [i32; 3], held: &[(i32, [i32; 3])]) -> Option<f64> {
         let mut scene = Scene::on_fixed("floor", cuboid([-9, -9, -1], [9, 9, 0]));
         for (low, high) in [([-9, -9, 2], [9, 9, 3]), ([1, -9, 0], [2, 9, 2]), ([0, 0, 0], [1, 1, 1])] {
             scene.blocks.push(SceneBlock::new("block", cuboid(low, high)));
@@ -187,8 +107,8 @@ mod tests {
         scene.simulation.loads =
             vec![PointLoad { block: 3, at: at([0, 0, 0]), table: vec![(Number::ZERO, at(force))] }];
         let point =
-            |stiffness| FixedPoint { block: 3, at: at([0, 0, 0]), stiffness: Some(Number::from_integer(stiffness)) };
-        scene.simulation.fixed_points = held.map(point).into_iter().collect();
+            |&(stiffness, to)| FixedPoint { block: 3, at: at(to), stiffness: Some(Number::from_integer(stiffness)) };
+        scene.simulation.fixed_points = held.iter().map(point).collect();
         let set =
             ToleranceSet { penetration: Number::parse("1/8").unwrap(), close: Number::ZERO, ..ToleranceSet::ZERO };
         let found = warnings(&set, &scene).into_iter().find(|warning| warning.kind == WarningKind::Load)?;
@@ -198,11 +118,102 @@ mod tests {
 
     #[test]
     fn loads_press_where_something_stands_and_weights_hold_them_back() {
-        assert_eq!(depth([100_000, 0, 0], None), Some(0.2), "onto the wall");
-        assert_eq!(depth([100_000, 0, 0], Some(500_000)), None, "10 cm with a fixed point");
-        assert_eq!(depth([-100_000, 0, 0], None), None, "away from it");
-        assert_eq!(depth([0, 100_000, 0], None), None, "along it");
-        assert_eq!(depth([0, 0, 100_000], None), Some(0.15), "lifted into the roof, less its weight");
-        assert_eq!(depth([0, 0, -100_000], None), Some(0.25), "along gravity, with its weight");
+        assert_eq!(depth([100_000, 0, 0], &[]), Some(0.2), "onto the wall");
+        assert_eq!(depth([-100_000, 0, 0], &[]), None, "away from it");
+        assert_eq!(depth([0, 100_000, 0], &[]), None, "along it");
+        assert_eq!(depth([0, 0, 100_000], &[]), Some(0.15), "lifted into the roof, less its weight");
+        assert_eq!(depth([0, 0, -100_000], &[]), Some(0.25), "along gravity, with its weight");
+    }
+
+    #[test]
+    fn fixed_points_bear_a_load_where_they_hold_a_block_on_all_sides() {
+        let [at_origin, along_x, along_y] = [[0; 3], [1, 0, 0], [0, 1, 0]].map(|to| (200_000, to));
+        let pushed = |held: &[(i32, [i32; 3])]| depth([100_000, 0, 0], held);
+        assert_eq!(pushed(&[at_origin, along_x, along_y]), None, "100 kN on 1,100 kN/m");
+        assert_eq!(pushed(&[(900_000, [0; 3])]), Some(0.2), "it turns about one");
+        assert_eq!(pushed(&[at_origin, (200_000, [0, 2, 0]), along_y]), Some(0.2), "and about a line");
+    }
+
+    /// The cube of [`depth`] without gravity, under loads along x at its corner, by times.
+    fn depth_of(tables: &[&[(i32, i32)]]) -> Option<f64> {
+        let (source_set, mut scene) = cube_at_wall();
+        let load = |table: &&[(i32, i32)]| PointLoad {
+            block: 1,
+            at: at([0, 0, 0]),
+            table: table.iter().map(|&(time, force)| (Number::from_integer(time), at([force, 0, 0]))).collect(),
+        };
+        scene.simulation.loads = tables.iter().map(load).collect();
+        let source = ColumnSource::of(&source_set, &scene);
+        worst(&source, &source_set, &scene).sunk.map(|sunk| (sunk.depth * 1e9).round() / 1e9)
+    }
+
+    /// A rigid cube of 1 m beside a fixed wall, without gravity, with contacts of 125,000 N/m, and a set that allows 12.5 cm.
+    fn cube_at_wall() -> (ToleranceSet, Scene) {
+        let mut scene = Scene::on_fixed("wall", cuboid([1, -9, 0], [2, 9, 2]));
+        scene.blocks.push(SceneBlock::new("cube", cuboid([0, 0, 0], [1, 1, 1])));
+        scene.blocks[1].body.motion = crate::Motion::Rigid;
+        scene.simulation.gravity = at([0, 0, 0]);
+        let stiffness = Number::from_integer(125_000);
+        scene.simulation.joints.all_mut().for_each(|joint| joint.normal_stiffness = Some(stiffness.clone()));
+        let set = ToleranceSet { penetration: Number::parse("1/8").unwrap(), ..ToleranceSet::ZERO };
+        (set, scene)
+    }
+
+    #[test]
+    fn loads_of_a_block_are_added_at_each_time() {
+        assert_eq!(depth_of(&[&[(0, 100_000)]]), Some(0.2));
+        assert_eq!(depth_of(&[&[(0, 100_000)], &[(0, -100_000)]]), None, "they cancel");
+        let late: &[(i32, i32)] = &[(0, 0), (5, 100_000), (6, 0)];
+        assert_eq!(depth_of(&[late, late]), Some(0.4), "at one time");
+        assert_eq!(depth_of(&[late, &[(6, 0), (7, 100_000), (8, 0)]]), Some(0.2), "at two times");
+        // Between its own times: 100 kN on the way down meets half of the other's 100 kN on the way up.
+        assert_eq!(depth_of(&[late, &[(0, 0), (10, 100_000)]]), Some(0.3));
+        assert_eq!(depth_of(&[&[(-3, 400_000), (-1, 0)]]), None, "before time begins");
+    }
+
+    #[test]
+    fn loads_across_a_face_press_nothing_but_rounding() {
+        let (set, mut scene) = cube_at_wall();
+        let force = Vec3::new("1e-3", "1e9", "0").map(|part| Number::parse(part).unwrap());
+        scene.simulation.loads = vec![PointLoad { block: 1, at: at([0, 0, 0]), table: vec![(Number::ZERO, force)] }];
+        scene.simulation.joints.all_mut().for_each(|joint| joint.normal_stiffness = Number::parse("1e-6").ok());
+        assert_eq!(worst(&ColumnSource::of(&set, &scene), &set, &scene).sunk, None);
+    }
+
+    #[test]
+    fn a_load_onto_a_slanting_face_is_added_to_the_weight() {
+        let (set, mut scene) = cube_at_wall();
+        // A prism that lies with a face of 45° on a fixed one; 40 kN along x, and a weight of 40 kN.
+        let prism = |points: [[i32; 2]; 3]| {
+            let at_y = |y: i32| points.map(|[x, z]| at([x, y, z]));
+            let points = at_y(0).into_iter().chain(at_y(1)).collect();
+            let faces: [&[u32]; 5] = [&[0, 1, 2], &[5, 4, 3], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]];
+            let loops = faces.iter().map(|face| face.iter().map(|&k| VertexId(k)).collect());
+            Block::new(points, loops.collect(), &BlockOptions::default()).unwrap()
+        };
+        scene.blocks[0].block = prism([[0, 0], [1, 0], [1, 1]]);
+        scene.blocks[1].block = prism([[0, 0], [1, 1], [0, 1]]);
+        scene.simulation.gravity = at([0, 0, -10]);
+        scene.simulation.materials[0].density = Number::from_integer(8000);
+        let depth = |force: i32| {
+            let mut scene = scene.clone();
+            let table = vec![(Number::ZERO, at([force, 0, 0]))];
+            scene.simulation.loads = vec![PointLoad { block: 1, at: at([0, 0, 0]), table }];
+            worst(&ColumnSource::of(&set, &scene), &set, &scene).sunk.map(|sunk| sunk.depth)
+        };
+        // (F + W)·cos 45° on three contacts.
+        let found = depth(40_000).unwrap();
+        assert!((found - 80_000.0 * 0.5_f64.sqrt() / 375_000.0).abs() < 1e-9, "{found}");
+        assert_eq!(depth(-40_000), None, "just lifted off");
+    }
+
+    #[test]
+    fn depths_that_f64_does_not_hold_are_told() {
+        let (set, mut scene) = cube_at_wall();
+        let force = Vec3::new("1e308", "0", "0").map(|part| Number::parse(part).unwrap());
+        scene.simulation.loads = vec![PointLoad { block: 1, at: at([0, 0, 0]), table: vec![(Number::ZERO, force)] }];
+        scene.simulation.joints.all_mut().for_each(|joint| joint.normal_stiffness = Number::parse("1e-6").ok());
+        let found = warnings(&set, &scene).into_iter().find(|warning| warning.kind == WarningKind::Load).unwrap();
+        assert_eq!((found.block, found.found), (Some(1), f64::INFINITY));
     }
 }

@@ -1,6 +1,7 @@
 //! Whether a block is squashed by its weight, by the blocks above it, by loads or by its initial stress, as where `young` is given in GPa: an estimate.
 
 use super::column::{Column, Plans, borne, total};
+use super::shape::largest;
 use super::six_digits;
 use super::warning::{Warning, WarningKind};
 use crate::number::Number;
@@ -10,16 +11,16 @@ use crate::simulation::Motion;
 /// The greatest strain that what a block bears, or its initial stress, may give it: strains are taken for small, and rock breaks before.
 pub(super) const MAX_STRAIN: f64 = 0.01;
 
-/// The deformable block that is strained most, if that is more than [`MAX_STRAIN`]: by what it bears, or by its initial stress where nothing holds that. An estimate as that of [`load`](super::load::load), along the same `directions`.
+/// The deformable block that is strained most, if that is more than [`MAX_STRAIN`]: by what it bears, or by its initial stress where nothing holds that. An estimate as that of [`load`](super::load::load), along the same directions; `squashed` is that of [`worst`](super::pressing::worst).
 ///
 /// What a block bears, over the area of its plan, strains it by (F − W/2)/(A·E): half of its own weight W lies below its middle, whose strain the whole block has. Of a box
 /// that bears nothing else it is ρ·g·h/(2E). An initial stress σ strains a block that is free to expand by about |σ|/E, |σ| being the Frobenius
 /// norm: exactly so where there is one principal stress, and along no principal axis by more than √(1 + 2ν²) times that.
-pub(super) fn strain(scene: &Scene, directions: &[Vec<Column>]) -> Option<Warning> {
-    let borne = directions.iter().filter_map(|columns| most_squashed(scene, columns));
+pub(super) fn strain(scene: &Scene, squashed: Option<(usize, f64)>) -> Option<Warning> {
     let stressed = deformable(scene).map(|(block, young)| (block, stress(scene, block) / young));
-    let (block, found) = borne.chain(stressed).reduce(|most, next| if next.1 > most.1 { next } else { most })?;
-    if found <= MAX_STRAIN || !found.is_finite() {
+    let (block, found) =
+        squashed.into_iter().chain(stressed).reduce(|most, next| if next.1 > most.1 { next } else { most })?;
+    if found <= MAX_STRAIN {
         return None;
     }
     let young = scene.simulation.materials[scene.blocks[block].body.material].young.approximate();
@@ -35,19 +36,22 @@ pub(super) fn deformable(scene: &Scene) -> impl Iterator<Item = (usize, f64)> {
 }
 
 /// The block that is squashed most by what it bears along a direction; `None` where all could bear it.
-fn most_squashed(scene: &Scene, columns: &[Column]) -> Option<(usize, f64)> {
-    let stiffness = |(block, young): (usize, f64)| (block, young * columns[block].shared(&columns[block]));
-    let stiffnesses = || deformable(scene).map(stiffness).filter(|(_, stiffness)| *stiffness > 0.0);
+pub(super) fn most_squashed(scene: &Scene, columns: &[Column]) -> Option<(usize, f64)> {
+    let stiffness = |one: &Column| {
+        let body = &scene.blocks[one.block].body;
+        (body.motion == Motion::Deformable)
+            .then(|| scene.simulation.materials[body.material].young.approximate() * one.area)
+    };
+    let stiffnesses =
+        || columns.iter().filter_map(|one| Some((one, stiffness(one)?))).filter(|(_, stiffness)| *stiffness > 0.0);
     // Most scenes could bear all of it anywhere.
     let softest = stiffnesses().map(|(_, stiffness)| stiffness).fold(f64::INFINITY, f64::min);
-    let total = total(columns);
-    if total.is_nan() || total <= MAX_STRAIN * softest {
+    if total(columns) <= MAX_STRAIN * softest {
         return None;
     }
     let plans = Plans::of(columns);
     let middle = |one: &Column| borne(columns, &plans, one) - one.weight.unwrap_or(0.0) / 2.0;
-    let strains = stiffnesses().map(|(block, stiffness)| (block, middle(&columns[block]) / stiffness));
-    strains.reduce(|most, next| if next.1 > most.1 { next } else { most })
+    largest(stiffnesses().map(|(one, stiffness)| (one.block, middle(one) / stiffness)))
 }
 
 /// The Frobenius norm of a block's initial stress (Pa).
@@ -60,7 +64,7 @@ fn stress(scene: &Scene, block: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::column::ColumnSource;
-    use super::super::pressing::loaded_columns;
+    use super::super::pressing::worst;
     use super::*;
     use crate::{Block, Number, SceneBlock, ToleranceSet, Vec3};
 
@@ -75,7 +79,7 @@ mod tests {
         scene.simulation.gravity = at([0, 0, -10]);
         let squashed = |scene: &Scene| {
             let set = ToleranceSet::ZERO;
-            strain(scene, &loaded_columns(&ColumnSource::of(&set, scene), &set, scene))
+            strain(scene, worst(&ColumnSource::of(&set, scene), &set, scene).squashed)
         };
         let mut of_young = |young: i32, motion: Motion| {
             scene.simulation.materials[0].density = Number::from_integer(2500);

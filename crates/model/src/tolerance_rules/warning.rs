@@ -4,7 +4,7 @@ use super::RequiredValue;
 use super::column::ColumnSource;
 use super::hanging::hanging;
 use super::load::load;
-use super::pressing::loaded_columns;
+use super::pressing::{left_out, worst};
 use super::properties::{density, friction};
 use super::speed::speed;
 use super::strain::strain;
@@ -24,6 +24,8 @@ pub enum WarningKind {
     Equal,
     /// A block at rest would sink under the blocks above it or under loads deeper than `penetration`.
     Load,
+    /// Loads press along more directions of faces than were looked along.
+    Loads,
     /// A deformable block would be strained by more than a hundredth by what it bears, or by its initial stress.
     Strain,
     /// A block that the scene sets in motion would be stopped deeper than `penetration`.
@@ -44,6 +46,7 @@ impl WarningKind {
             WarningKind::Open => "open",
             WarningKind::Equal => "equal",
             WarningKind::Load => "load",
+            WarningKind::Loads => "loads",
             WarningKind::Strain => "strain",
             WarningKind::Speed => "speed",
             WarningKind::Hanging => "hanging",
@@ -59,6 +62,7 @@ impl WarningKind {
             WarningKind::Open => "closed contacts may be lost before they open",
             WarningKind::Equal => "contacts may keep their mode however far blocks move",
             WarningKind::Load => "a block may sink deeper than penetration under the blocks above it or under loads",
+            WarningKind::Loads => "what loads press along faces was not looked at everywhere: there is too much of it",
             WarningKind::Strain => "a block may be squashed by its weight, by loads or by its initial stress",
             WarningKind::Speed => "a block that moves when time begins may be stopped only deeper than penetration",
             WarningKind::Hanging => "a block may fall, since its fixed points alone hold it and are too soft",
@@ -76,6 +80,7 @@ impl WarningKind {
             WarningKind::Load => {
                 "(weight of a block, of those above it, and loads)/(normal_stiffness·corners of its smallest face) ≤ penetration"
             }
+            WarningKind::Loads => "(directions of faces along which loads press) ≤ (those looked along)",
             WarningKind::Strain => {
                 "(weight of a block, of those above it, and loads)/(young·area of its plan) ≤ 1/100, and (initial stress)/young ≤ 1/100"
             }
@@ -99,7 +104,10 @@ impl WarningKind {
             }
             WarningKind::Equal => "a contact's mode stays where its gap is no larger than equal times the gap before",
             WarningKind::Load => {
-                "a block on its smallest face bears what stands above it, here each block above by the share of its plan that is over this one; a load presses along gravity, and on faces that something stands against"
+                "a block on its smallest face bears what stands above it, here each block above by the share of its plan that is over this one; a load presses along gravity, and on faces that something stands against; the depth is the static one, and a load that is laid on suddenly goes twice as deep"
+            }
+            WarningKind::Loads => {
+                "with many loads on blocks whose faces lie in many directions the estimate would take too long; in directions left out a block may sink deeper than penetration"
             }
             WarningKind::Strain => {
                 "strains are taken for small, and rock breaks long before: young is in Pa, so 50 GPa are 50e9"
@@ -161,8 +169,13 @@ pub fn warnings(set: &ToleranceSet, scene: &Scene) -> Vec<Warning> {
         equal,
     ];
     let source = ColumnSource::of(set, scene);
-    let directions = loaded_columns(&source, set, scene);
-    let borne = [load(set, scene, &directions), strain(scene, &directions), speed(set, scene, &source)];
+    let worst = worst(&source, set, scene);
+    let borne = [
+        load(set, scene, worst.sunk.as_ref()),
+        left_out(&worst.effort),
+        strain(scene, worst.squashed),
+        speed(set, scene, &source),
+    ];
     let given = [hanging(set, scene, &source), friction(scene), density(scene)];
     modes.into_iter().chain(borne).chain(given).flatten().collect()
 }
