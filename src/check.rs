@@ -18,6 +18,7 @@ use rockproof_model::{Number, Precision, Scene, ToleranceSet};
 use rockproof_oracle::audit::{Overlap, OverlapSeverity, OverlapVisibility};
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 /// Problems told one by one.
 const MAX_PROBLEMS: usize = 20;
@@ -73,7 +74,7 @@ impl Check {
             falls.chain(thin).chain(model.warnings.iter().map(warning)).collect::<String>()
         };
         let stored_text = || warning_of_energy(&stored, &model.scene);
-        let bare = bare_edges(&model.scene, &model.set, &overlaps);
+        let bare = bare_edges(&model.scene, &model.set, &overlaps, &AtomicBool::new(false));
         let bare_text = || warning_of_bare_edges(&bare, &model.scene);
         let unseen = || territory_that_sees(&overlaps, &model).unwrap_or_default();
         let rest = || warnings() + &stored_text() + &bare_text() + &overlaps.report(&model.scene) + &unseen();

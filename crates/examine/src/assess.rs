@@ -187,7 +187,10 @@ impl Work<'_> {
         };
         let has_moving_pair = any_moves(&pairs, &fixed);
         let stored = unexplained(model, &set, &overlaps, &steps);
-        let bare_edges = bare_edges(&model.scene, &set, &overlaps);
+        let bare_edges = bare_edges(&model.scene, &set, &overlaps, self.stop);
+        if self.is_stopped() {
+            return Ok(None);
+        }
         Ok(Some(Assessment {
             set,
             violations,

@@ -2,14 +2,17 @@
 
 use crate::overlaps::Overlaps;
 use num_rational::BigRational;
-use num_traits::Signed;
+use num_traits::{Signed, Zero};
 use rayon::prelude::*;
-use rockproof_model::block::Point;
+use rockproof_model::block::{Point, face_normal};
 use rockproof_model::decision::{Feature, Side};
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
-use rockproof_model::{Block, Number, Scene, ToleranceSet, Vec3, VertexId};
+use rockproof_model::{Block, Contact, EdgeId, Number, Scene, SceneBlock, ToleranceSet, Vec3, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock};
 use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A reflex edge on which another block lies, or which lies on an edge of another block, without a contact.
 ///
@@ -58,75 +61,217 @@ fn named(block: usize, scene: &Scene) -> String {
 }
 
 /// The reflex edges of a scene on which another block lies without a contact, in the order of pairs; `overlaps` names the neighbouring pairs. Lying on it means within `territory`, as a vertex then counts as on a
-/// convex edge. Compared exactly; pairs of convex blocks and pairs of fixed ones are not looked at.
-pub fn bare_edges(scene: &Scene, set: &ToleranceSet, overlaps: &Overlaps) -> Vec<BareEdge> {
-    let may_be_bare = |pair: &&[usize; 2]| {
-        pair.iter().any(|&block| !scene.blocks[block].block.is_convex())
-            && pair.iter().any(|&block| !scene.blocks[block].body.is_fixed())
-    };
-    let pairs: Vec<[usize; 2]> = overlaps.neighbours().iter().filter(may_be_bare).copied().collect();
-    pairs.into_par_iter().flat_map_iter(|pair| of_pair(scene, set, pair)).collect()
+/// convex edge: such a vertex bears only where it has a contact on each of the two faces of the edge. Not named is what [`is_borne_around`] says. Compared exactly; pairs of convex blocks and pairs of fixed ones are not looked at.
+/// Where `stop` is set meanwhile, those of the pairs looked at until then.
+pub fn bare_edges(scene: &Scene, set: &ToleranceSet, overlaps: &Overlaps, stop: &AtomicBool) -> Vec<BareEdge> {
+    of_pairs(&scene.blocks, set, overlaps.neighbours(), stop)
 }
 
-fn of_pair(scene: &Scene, set: &ToleranceSet, [a, b]: [usize; 2]) -> Vec<BareEdge> {
-    let shapes = [a, b].map(|block| &scene.blocks[block].block);
-    let within = set.territory.to_rational();
-    let mut at = at_edges(shapes, [a, b], [Side::A, Side::B], &within);
-    at.extend(at_edges([shapes[1], shapes[0]], [b, a], [Side::B, Side::A], &within));
+fn of_pairs(blocks: &[SceneBlock], set: &ToleranceSet, pairs: &[[usize; 2]], stop: &AtomicBool) -> Vec<BareEdge> {
+    let may_be_bare = |pair: &&[usize; 2]| {
+        pair.iter().any(|&block| !blocks[block].block.is_convex())
+            && pair.iter().any(|&block| !blocks[block].body.is_fixed())
+    };
+    let pairs: Vec<[usize; 2]> = pairs.iter().filter(may_be_bare).copied().collect();
+    let wanted: BTreeSet<usize> = pairs.iter().flatten().copied().collect();
+    let shapes: BTreeMap<usize, NearShape<'_>> =
+        wanted.into_iter().map(|block| (block, NearShape::of(&blocks[block].block))).collect();
+    let territory = Territory { exact: set.territory.to_rational(), near: set.territory.approximate() };
+    let pairs = pairs.into_par_iter().filter(|_| !stop.load(Ordering::Relaxed));
+    pairs.flat_map_iter(|pair| of_pair(pair.map(|block| &shapes[&block]), set, &territory, pair)).collect()
+}
+
+/// A block in f64 for all of its pairs, and exactly prepared where it is asked for.
+struct NearShape<'s> {
+    block: &'s Block,
+    points: Vec<[f64; 3]>,
+    reflex: Vec<EdgeId>,
+    bounds: NearBox,
+    prepared: OnceLock<PreparedBlock>,
+}
+
+/// A box in f64.
+#[derive(Clone, Copy)]
+struct NearBox {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+/// How far off counts as on, exactly and in f64.
+struct Territory {
+    exact: BigRational,
+    near: f64,
+}
+
+impl NearShape<'_> {
+    fn of(block: &Block) -> NearShape<'_> {
+        let points: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(Number::approximate)).collect();
+        let reflex = block.topology().edge_ids().filter(|&edge| !block.edge_is_convex(edge)).collect();
+        NearShape { block, reflex, bounds: NearBox::of(&points), points, prepared: OnceLock::new() }
+    }
+
+    fn at(&self, vertex: VertexId) -> &Point {
+        &self.block.vertices()[vertex.index()]
+    }
+
+    fn edge_box(&self, edge: [VertexId; 2]) -> NearBox {
+        NearBox::of(&edge.map(|end| self.points[end.index()]))
+    }
+
+    fn prepared(&self) -> &PreparedBlock {
+        self.prepared.get_or_init(|| PreparedBlock::new(self.block))
+    }
+}
+
+impl NearBox {
+    fn of(points: &[[f64; 3]]) -> NearBox {
+        let ends = |pick: fn(f64, f64) -> f64, from: f64| {
+            points.iter().fold([from; 3], |ends, at| [0, 1, 2].map(|k| pick(ends[k], at[k])))
+        };
+        NearBox { low: ends(f64::min, f64::INFINITY), high: ends(f64::max, f64::NEG_INFINITY) }
+    }
+
+    /// Whether the boxes may be no further apart than a distance.
+    fn may_be_within(&self, other: &NearBox, distance: f64) -> bool {
+        // Roundings of these are a few parts in 2⁵³ of the coordinates.
+        (0..3).all(|k| {
+            let ends = [self.low[k], self.high[k], other.low[k], other.high[k]];
+            let slack = distance + 1e-12 * (distance + ends.map(f64::abs).iter().sum::<f64>());
+            !(self.low[k] > other.high[k] + slack || self.high[k] < other.low[k] - slack)
+        })
+    }
+}
+
+/// A vertex of one of two blocks at a reflex edge of the first or second of them.
+struct AtEdge {
+    bare: BareEdge,
+    vertex: Feature,
+    /// The faces of the reflex edge, where the vertex is one of the other block.
+    faces: Option<[Feature; 2]>,
+}
+
+fn of_pair(
+    shapes: [&NearShape<'_>; 2],
+    set: &ToleranceSet,
+    territory: &Territory,
+    [a, b]: [usize; 2],
+) -> Vec<BareEdge> {
+    let mut at = at_edges(shapes, [a, b], [Side::A, Side::B], territory);
+    at.extend(at_edges([shapes[1], shapes[0]], [b, a], [Side::B, Side::A], territory));
     if at.is_empty() {
         return Vec::new();
     }
-    let prepared = shapes.map(PreparedBlock::new);
-    let contacts = Pair::new(&prepared[0], &prepared[1]).classify(set).contacts;
-    let touches = |vertex: &Feature| contacts.iter().any(|contact| contact.key.features().contains(vertex));
-    let mut bare: Vec<BareEdge> = at.into_iter().filter(|(_, vertex)| !touches(vertex)).map(|(edge, _)| edge).collect();
+    let contacts = Pair::new(shapes[0].prepared(), shapes[1].prepared()).classify(set).contacts;
+    let is_borne = |one: &AtEdge| {
+        let of_vertex = || contacts.iter().filter(|contact| contact.key.features().contains(&one.vertex));
+        let on_face = |face: &Feature| of_vertex().any(|contact| contact.entrance.features().contains(face));
+        let touches = one.faces.as_ref().map_or_else(|| of_vertex().next().is_some(), |both| both.iter().all(on_face));
+        touches || is_borne_around(shapes, one.vertex, &contacts)
+    };
+    let mut bare: Vec<BareEdge> = at.into_iter().filter(|one| !is_borne(one)).map(|one| one.bare).collect();
     bare.dedup();
     bare
 }
 
-/// The reflex edges of the first of two blocks at which vertices of the second lie, and those whose ends lie at edges of the second, each with that vertex.
+/// The vertices of the second of two blocks at reflex edges of the first, and the ends of such edges at edges of the second.
 fn at_edges(
-    [owner, second]: [&Block; 2],
+    [owner, second]: [&NearShape<'_>; 2],
     [block, other]: [usize; 2],
     [own_side, side]: [Side; 2],
-    within: &BigRational,
-) -> Vec<(BareEdge, Feature)> {
-    let at = |shape: &'_ Block, vertex: VertexId| shape.vertices()[vertex.index()].clone();
+    territory: &Territory,
+) -> Vec<AtEdge> {
+    let is_near = |one: &NearBox, bounds: &NearBox| one.may_be_within(bounds, territory.near);
+    let of_edge = |edge: &EdgeId| owner.block.topology().edge(*edge);
+    let reflex: Vec<&EdgeId> = owner
+        .reflex
+        .iter()
+        .filter(|edge| is_near(&owner.edge_box([of_edge(edge).p, of_edge(edge).q]), &second.bounds))
+        .collect();
+    if reflex.is_empty() {
+        return Vec::new();
+    }
+    let point_box = |shape: &NearShape<'_>, vertex: VertexId| shape.edge_box([vertex; 2]);
+    let vertices: Vec<VertexId> = second
+        .block
+        .topology()
+        .vertex_ids()
+        .filter(|&vertex| is_near(&point_box(second, vertex), &owner.bounds))
+        .collect();
+    let ends_of = second.block.topology().edges().iter().map(|edge| [edge.p, edge.q]);
+    let edges: Vec<[VertexId; 2]> = ends_of.filter(|&edge| is_near(&second.edge_box(edge), &owner.bounds)).collect();
+    let is_at = |(shape, vertex): (&NearShape<'_>, VertexId), (with, edge): (&NearShape<'_>, [VertexId; 2])| {
+        is_near(&point_box(shape, vertex), &with.edge_box(edge))
+            && is_within(shape.at(vertex), &edge.map(|end| with.at(end)), &territory.exact)
+    };
     let mut found = Vec::new();
-    for edge in owner.topology().edge_ids().filter(|&edge| !owner.edge_is_convex(edge)) {
-        let edge = owner.topology().edge(edge);
-        let bare = BareEdge { block, edge: [edge.p, edge.q], other };
-        let ends = bare.edge.map(|end| at(owner, end));
-        for vertex in second.topology().vertex_ids() {
-            if is_within(&at(second, vertex), &ends, within) {
-                found.push((bare.clone(), Feature::Vertex(side, vertex)));
-            }
+    for id in reflex {
+        let edge = of_edge(id);
+        let ends = [edge.p, edge.q];
+        let bare = BareEdge { block, edge: ends, other };
+        let faces = [edge.left, edge.right].map(|face| Feature::Face(own_side, face));
+        for &vertex in vertices.iter().filter(|&&vertex| is_at((second, vertex), (owner, ends))) {
+            found.push(AtEdge { bare: bare.clone(), vertex: Feature::Vertex(side, vertex), faces: Some(faces) });
         }
-        for end in bare.edge {
-            let point = at(owner, end);
-            let mut edges = second.topology().edges().iter();
-            if edges.any(|edge| is_within(&point, &[edge.p, edge.q].map(|end| at(second, end)), within)) {
-                found.push((bare.clone(), Feature::Vertex(own_side, end)));
+        for end in ends {
+            if edges.iter().any(|&edge| is_at((owner, end), (second, edge))) {
+                found.push(AtEdge { bare: bare.clone(), vertex: Feature::Vertex(own_side, end), faces: None });
             }
         }
     }
     found
 }
 
-/// Whether a point is no further from a stretch than a distance; exactly so far is. In f64 first, by which most points are further off.
-fn is_within(point: &Point, [p, q]: &[Point; 2], distance: &BigRational) -> bool {
-    let near = |at: &Point| at.components().map(Number::approximate);
-    let limit = Number::from_rational(distance.clone()).approximate();
-    let (at, ends) = (near(point), [near(p), near(q)]);
-    // Roundings of these are a few parts in 2⁵³ of the coordinates.
-    let is_apart = |k: usize| {
-        let [low, high] = [ends[0][k].min(ends[1][k]), ends[0][k].max(ends[1][k])];
-        let slack = limit + 1e-12 * (limit + at[k].abs() + low.abs() + high.abs());
-        at[k] < low - slack || at[k] > high + slack
+/// Whether a plane of a face at a vertex of one of two blocks has all of the one block on one side of it and all of the other one on the other side, and the vertex lies within the hull of
+/// vertices in that plane that have contacts on a face in it. All that the blocks have in common then lies in the plane, so what presses them together is along its normal, and a force along it at the vertex is
+/// the sum of such forces at the corners of that hull.
+fn is_borne_around(shapes: [&NearShape<'_>; 2], vertex: Feature, contacts: &[Contact]) -> bool {
+    let Feature::Vertex(side, vertex) = vertex else { return false };
+    let own = usize::from(side == Side::B);
+    let exact =
+        shapes.map(|shape| shape.block.vertices().iter().map(|v| v.map(Number::to_rational)).collect::<Vec<_>>());
+    let at = &exact[own][vertex.index()];
+    let topology = |place: usize| shapes[place].block.topology();
+    topology(own).vertex_faces(vertex).iter().any(|&face| {
+        let normal = face_normal(&exact[own], topology(own).face(face));
+        let height = |point: &Vec3<BigRational>| normal.dot(&point.minus(at));
+        let is_between = exact[own].iter().all(|point| !height(point).is_positive())
+            && exact[1 - own].iter().all(|point| !height(point).is_negative());
+        if !is_between {
+            return false;
+        }
+        let place = |side: Side| usize::from(side == Side::B);
+        let is_in_plane = |face: &Feature| match *face {
+            Feature::Face(side, face) => topology(place(side))
+                .face(face)
+                .iter()
+                .all(|corner| height(&exact[place(side)][corner.index()]).is_zero()),
+            _ => false,
+        };
+        let touching = contacts.iter().filter(|contact| contact.entrance.features().iter().any(is_in_plane));
+        let vertices = touching.flat_map(|contact| contact.key.features()).filter_map(|feature| match feature {
+            Feature::Vertex(side, vertex) => Some(&exact[place(side)][vertex.index()]),
+            _ => None,
+        });
+        let arms: Vec<Vec3<BigRational>> =
+            vertices.filter(|point| height(point).is_zero()).map(|point| point.minus(at)).collect();
+        surround(&arms, &normal)
+    })
+}
+
+/// Whether arms in a plane with this normal have no open half of the plane that holds all of them: their ends then have the point that they begin at in their hull.
+fn surround(arms: &[Vec3<BigRational>], normal: &Vec3<BigRational>) -> bool {
+    let is_first = |one: &Vec3<BigRational>| {
+        arms.iter().all(|other| {
+            let turn = one.cross(other).dot(normal);
+            turn.is_positive() || (turn.is_zero() && one.dot(other).is_positive())
+        })
     };
-    if (0..3).any(is_apart) {
-        return false;
-    }
+    // All in an open half have a first one, from which all others turn left by less than half a turn.
+    !arms.is_empty() && !arms.iter().any(is_first)
+}
+
+/// Whether a point is no further from a stretch than a distance; exactly so far is.
+fn is_within(point: &Point, [p, q]: &[&Point; 2], distance: &BigRational) -> bool {
     let [at, p, q]: [Vec3<BigRational>; 3] = [point, p, q].map(|at| at.map(Number::to_rational));
     let (along, from_p) = (q.minus(&p), at.minus(&p));
     let (foot, length_squared) = (along.dot(&from_p), along.norm_squared());
@@ -137,5 +282,69 @@ fn is_within(point: &Point, [p, q]: &[Point; 2], distance: &BigRational) -> bool
         at.minus(&q).norm_squared() <= limit_squared
     } else {
         from_p.cross(&along).norm_squared() <= limit_squared * length_squared
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::scene::SceneFormat;
+    use rockproof_model::{Precision, Preset};
+    use std::path::Path;
+
+    /// Prisms along y between two ends with an L for their outline, and boxes.
+    fn scene(blocks: &str) -> Scene {
+        Scene::parse(blocks, SceneFormat::Toml, Path::new("scene.toml")).expect("a scene")
+    }
+
+    const FACES: &str = "faces = [[0, 1, 2, 3, 4, 5], [11, 10, 9, 8, 7, 6], [0, 6, 7, 1], [1, 7, 8, 2], [2, 8, 9, 3], [3, 9, 10, 4], [4, 10, 11, 5], [5, 11, 6, 0]]\n";
+
+    fn prism([from, to]: [&str; 2]) -> String {
+        let outline = [[-1, -1], [4, -1], [4, 0], [0, 0], [0, 3], [-1, 3]];
+        let ends = [from, to].map(|y| outline.map(|[x, z]| format!("[{x}, {y}, {z}]")).join(", ")).join(", ");
+        format!("[[block]]\nvertices = [{ends}]\n{FACES}")
+    }
+
+    fn cube(low: [&str; 3], high: [&str; 3]) -> String {
+        format!("[[block]]\nbox = {{ min = [{}], max = [{}] }}\n", low.join(", "), high.join(", "))
+    }
+
+    fn found(blocks: &[String], stop: bool) -> Vec<([u32; 2], usize)> {
+        let scene = scene(&blocks.concat());
+        let set = rockproof_model::preset::derive(Preset::Auto, &scene.shapes(), Precision::F64).expect("a set");
+        let pairs: Vec<[usize; 2]> = (1..blocks.len()).flat_map(|b| (0..b).map(move |a| [a, b])).collect();
+        let bare = of_pairs(&scene.blocks, &set, &pairs, &AtomicBool::new(stop));
+        bare.into_iter().map(|bare| (bare.edge.map(|end| end.0), bare.block)).collect()
+    }
+
+    #[test]
+    fn a_vertex_off_the_edge_by_less_than_territory_needs_both_faces() {
+        let with = |x: &str, z: &str| found(&[prism(["-2", "3"]), cube([x, "0", z], ["1", "1", "1"])], false);
+        let edge = vec![([3, 9], 0)];
+        assert_eq!(with("0", "0"), edge);
+        // A contact on one of both faces, or off both by little.
+        assert_eq!((with("1e-6", "0"), with("0", "1e-6")), (edge.clone(), edge.clone()));
+        assert_eq!((with("0.2", "0"), with("0", "0.2"), with("0.2", "0.2")), (vec![], vec![], vec![]));
+        assert_eq!(found(&[prism(["-2", "3"]), cube(["0", "0", "0"], ["1", "1", "1"])], true), [], "stopped");
+    }
+
+    #[test]
+    fn rows_of_one_outline_bear_at_the_corners_around() {
+        assert_eq!(found(&[prism(["-2", "0"]), prism(["0", "1"]), prism(["1", "4"])], false), []);
+        // Here the end of the reflex edge is a corner of the hull of all that is in common: a cube beyond the end, in the corner.
+        let beyond = cube(["0", "3", "0"], ["1", "4", "1"]);
+        assert_eq!(found(&[prism(["-2", "3"]), beyond], false), [([3, 9], 0)]);
+    }
+
+    #[test]
+    fn arms_surround_where_no_open_half_holds_them() {
+        let whole = |c: i32| BigRational::from_integer(c.into());
+        let of = |arms: &[[i32; 2]]| {
+            let arms: Vec<_> = arms.iter().map(|&[x, y]| Vec3::new(whole(x), whole(y), whole(0))).collect();
+            surround(&arms, &Vec3::new(whole(0), whole(0), whole(-3)))
+        };
+        assert!(of(&[[1, 0], [-1, 1], [-1, -1]]) && of(&[[1, 2], [-2, -4]]) && of(&[[0, 0], [1, 0]]));
+        assert!(!of(&[]) && !of(&[[1, 0]]) && !of(&[[1, 0], [0, 1], [1, 1]]) && !of(&[[2, 1], [1, 3], [-1, 1]]));
+        assert!(of(&[[1, 0], [-1, 0], [0, 1]]), "on the side of a hull");
     }
 }

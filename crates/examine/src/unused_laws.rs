@@ -3,6 +3,7 @@
 use rockproof_model::simulation::JointProperties;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{Number, Scene};
+use std::collections::HashSet;
 
 /// The most laws named.
 const MAX_NAMED: usize = 3;
@@ -17,8 +18,10 @@ pub fn unused_laws(scene: &Scene) -> Option<String> {
     let name = |joint: usize| format!("\"{}\"", excerpt(&joints.names[joint], EXCERPT_LENGTH));
     let named: Vec<[usize; 2]> =
         joints.pairs.iter().map(|pair| [pair.one.min(pair.other), pair.one.max(pair.other)]).collect();
-    let unnamed = present.iter().find(|pair| !named.contains(pair));
-    let unused: Vec<[usize; 2]> = named.iter().filter(|pair| !present.contains(pair)).copied().collect();
+    let are_named: HashSet<[usize; 2]> = named.iter().copied().collect();
+    let are_present: HashSet<[usize; 2]> = present.iter().copied().collect();
+    let unnamed = present.iter().find(|pair| !are_named.contains(*pair));
+    let unused: Vec<[usize; 2]> = named.iter().filter(|pair| !are_present.contains(*pair)).copied().collect();
     let is_given = joints.other != JointProperties::default();
     if unused.is_empty() {
         let is_idle = is_given && unnamed.is_none();

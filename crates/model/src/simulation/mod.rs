@@ -10,6 +10,7 @@ mod stiffness;
 pub use control::{Control, Kinematics, Solver, Unconverged, step_in_words};
 pub use joint::{JointPair, JointProperties, Joints, tangent_of_degrees};
 pub use motion_energy::motion_energy;
+pub(crate) use motion_energy::spin_energy;
 pub use skips::Skips;
 pub use stiffness::derive_stiffness;
 pub(crate) use stiffness::{MovingBlock, derive_stiffness_of, moving_blocks, smallest_face};

@@ -8,7 +8,13 @@ use crate::vector::Vec3;
 
 /// What a block of this mass (kg) moves and turns with in its scene (J): ½·m·v² + ½·ω·J·ω, in f64.
 pub fn motion_energy(block: &Block, body: &Body, mass: f64) -> f64 {
-    let [velocity, spin] = [&body.velocity, &body.spin].map(near);
+    let velocity = near(&body.velocity);
+    mass / 2.0 * dot(velocity, velocity) + spin_energy(block, body, mass)
+}
+
+/// What a block of this mass (kg) turns with (J): ½·ω·J·ω, in f64.
+pub(crate) fn spin_energy(block: &Block, body: &Body, mass: f64) -> f64 {
+    let spin = near(&body.spin);
     let centroid = near(&block.centroid().map(|c| Number::from_rational(c.clone())));
     // ∫|ω × x|² over the tetrahedra of the centroid and each triangle of the surface: of a quadratic form q, V/20·(Σ q(corner) + q(Σ corners)).
     let (mut volume, mut integral) = (0.0, 0.0);
@@ -27,7 +33,7 @@ pub fn motion_energy(block: &Block, body: &Body, mass: f64) -> f64 {
             volume += part;
         }
     }
-    mass / 2.0 * (dot(velocity, velocity) + integral / volume)
+    mass / 2.0 * (integral / volume)
 }
 
 fn near(vector: &Vec3<Number>) -> [f64; 3] {

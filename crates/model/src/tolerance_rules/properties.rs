@@ -10,10 +10,14 @@ const MAX_FRICTION: i32 = 5;
 /// Densities that are not warned of (kg/m³): pumice and wood are heavier than the one, iron is lighter than the other.
 const DENSITIES: [i32; 2] = [100, 10_000];
 
-/// The greatest friction between any two blocks, if it is more than 5; **exactly 5 is not more**.
+/// The greatest friction between any two blocks of which one can move, if it is more than 5; **exactly 5 is not more**.
 pub(super) fn friction(scene: &Scene) -> Option<Warning> {
     let joints = &scene.simulation.joints;
-    let used = scene.joint_pairs().into_iter().map(|[one, other]| &joints.between(one, other).friction);
+    let mut may_move = vec![false; joints.names.len()];
+    scene.blocks.iter().for_each(|one| may_move[one.body.joint] |= !one.body.is_fixed());
+    // A pair of joint materials that is present has two blocks, and any block of the one may be beside any of the other.
+    let pairs = scene.joint_pairs().into_iter().filter(|pair| pair.iter().any(|&joint| may_move[joint]));
+    let used = pairs.map(|[one, other]| &joints.between(one, other).friction);
     let greatest = used.max()?;
     let limit = Number::from_integer(MAX_FRICTION);
     (*greatest > limit).then(|| Warning {
@@ -35,4 +39,22 @@ pub(super) fn density(scene: &Scene) -> Option<Warning> {
     let allowed = limit.approximate();
     let remedy = format!("density {relation} {allowed} (kg/m³)");
     Some(Warning { kind: WarningKind::Density, block: Some(block), found: density.approximate(), allowed, remedy })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Block, Motion, SceneBlock, Vec3};
+
+    #[test]
+    fn friction_between_fixed_blocks_means_nothing() {
+        let corner = |c: i32| Vec3::new(c, c, c).map(|&c| Number::from_integer(c));
+        let cube = || Block::cuboid(&corner(0), &corner(1)).unwrap();
+        let mut scene = Scene::on_fixed("floor", cube());
+        scene.blocks.push(SceneBlock::new("wall", cube()));
+        scene.simulation.joints.all_mut().for_each(|joint| joint.friction = Number::from_integer(30));
+        assert_eq!(friction(&scene).map(|found| found.found), Some(30.0));
+        scene.blocks[1].body.motion = Motion::Fixed;
+        assert_eq!(friction(&scene), None);
+    }
 }

@@ -4,7 +4,6 @@ use super::column::{Column, Plans, borne, total};
 use super::shape::largest;
 use super::six_digits;
 use super::warning::{Warning, WarningKind};
-use crate::number::Number;
 use crate::scene::Scene;
 use crate::simulation::Motion;
 
@@ -14,12 +13,13 @@ pub(super) const MAX_STRAIN: f64 = 0.01;
 /// The deformable block that is strained most, if that is more than [`MAX_STRAIN`]: by what it bears, or by its initial stress where nothing holds that. An estimate as that of [`load`](super::load::load), along the same directions; `squashed` is that of [`worst`](super::pressing::worst).
 ///
 /// What a block bears, over the area of its plan, strains it by (F − W/2)/(A·E): half of its own weight W lies below its middle, whose strain the whole block has. Of a box
-/// that bears nothing else it is ρ·g·h/(2E). An initial stress σ strains a block that is free to expand by about |σ|/E, |σ| being the Frobenius
-/// norm: exactly so where there is one principal stress, and along no principal axis by more than √(1 + 2ν²) times that.
+/// that bears nothing else it is ρ·g·h/(2E). An initial stress σ strains a block that is free to expand by ((1 + ν)·σ − ν·tr(σ)·I)/E (Hooke's law);
+/// of that the Frobenius norm counts, no less than the strain along any axis: √(1 + 2ν²)·σ/E of one principal stress, √3·(1 − 2ν)·σ/E where it is the same all round. What f64 does not hold is infinite.
 pub(super) fn strain(scene: &Scene, squashed: Option<(usize, f64)>) -> Option<Warning> {
-    let stressed = deformable(scene).map(|(block, young)| (block, stress(scene, block) / young));
-    let (block, found) =
-        squashed.into_iter().chain(stressed).reduce(|most, next| if next.1 > most.1 { next } else { most })?;
+    let stressed = deformable(scene).map(|(block, young)| (block, stress_strain(scene, block, young)));
+    let known = |(block, strain): (usize, f64)| (block, if strain.is_nan() { f64::INFINITY } else { strain });
+    let all = squashed.into_iter().chain(stressed).map(known);
+    let (block, found) = all.reduce(|most, next| if next.1.total_cmp(&most.1).is_gt() { next } else { most })?;
     if found <= MAX_STRAIN {
         return None;
     }
@@ -54,11 +54,17 @@ pub(super) fn most_squashed(scene: &Scene, columns: &[Column]) -> Option<(usize,
     largest(stiffnesses().map(|(one, stiffness)| (one.block, middle(one) / stiffness)))
 }
 
-/// The Frobenius norm of a block's initial stress (Pa).
-fn stress(scene: &Scene, block: usize) -> f64 {
-    let squares = |parts: &[Number]| parts.iter().map(|part| part.approximate().powi(2)).sum::<f64>();
-    let (normal, shear) = scene.blocks[block].body.stress.split_at(3);
-    (squares(normal) + 2.0 * squares(shear)).sqrt()
+/// The Frobenius norm of the strain by which a block's initial stress is let go.
+fn stress_strain(scene: &Scene, block: usize, young: f64) -> f64 {
+    let body = &scene.blocks[block].body;
+    let poisson = scene.simulation.materials[body.material].poisson.approximate();
+    // Over Young's modulus first, since squares of stresses may be beyond f64 where strains are not.
+    let parts: Vec<f64> = body.stress.iter().map(|part| part.approximate() / young).collect();
+    let (normal, shear) = parts.split_at(3);
+    let around = poisson * normal.iter().sum::<f64>();
+    let normal: f64 = normal.iter().map(|part| ((1.0 + poisson) * part - around).powi(2)).sum();
+    let shear: f64 = shear.iter().map(|part| ((1.0 + poisson) * part).powi(2)).sum();
+    (normal + 2.0 * shear).sqrt()
 }
 
 #[cfg(test)]
@@ -94,5 +100,23 @@ mod tests {
         assert_eq!((found.block, found.found, found.allowed), (Some(1), 750.0, 0.01));
         assert_eq!(found.remedy, "young ≥ 3.75001e6");
         assert_eq!(of_young(50, Motion::Rigid), None, "a rigid block has no strain");
+    }
+    #[test]
+    fn initial_stress_strains_by_hookes_law() {
+        let one = Vec3::new(1, 1, 1).map(|&c| Number::from_integer(c));
+        let mut scene = Scene::on_fixed("cube", Block::cuboid(&one.map(|_| Number::ZERO), &one).unwrap());
+        scene.blocks[0].body.motion = Motion::Deformable;
+        let mut of = |parts: [f64; 6], young: &str| {
+            scene.simulation.materials[0].young = Number::parse(young).unwrap();
+            scene.blocks[0].body.stress = parts.map(|part| Number::from_f64(part).unwrap());
+            strain(&scene, &[]).map(|found| found.found)
+        };
+        let near = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-12;
+        // ν = 1/4: of one principal stress √(1 + 2/16), all round 1 − 2/4 along each of three axes, of shear 1 + 1/4 twice.
+        assert!(near(of([-200.0, 0.0, 0.0, 0.0, 0.0, 0.0], "1000"), 0.2 * 1.125_f64.sqrt()));
+        assert!(near(of([-200.0, -200.0, -200.0, 0.0, 0.0, 0.0], "1000"), 0.1 * 3_f64.sqrt()));
+        assert!(near(of([0.0, 0.0, 0.0, 0.0, 80.0, 0.0], "1000"), 0.1 * 2_f64.sqrt()));
+        assert_eq!(of([-11.0, -11.0, -11.0, 0.0, 0.0, 0.0], "1000"), None, "0.0095, and 0.019 without ν");
+        assert_eq!(of([1e300, 1e300, -1e300, 0.0, 0.0, 0.0], "1e-10"), Some(f64::INFINITY));
     }
 }

@@ -82,9 +82,9 @@ impl WarningKind {
             }
             WarningKind::Loads => "(directions of faces along which loads press) ≤ (those looked along)",
             WarningKind::Strain => {
-                "(weight of a block, of those above it, and loads)/(young·area of its plan) ≤ 1/100, and (initial stress)/young ≤ 1/100"
+                "(weight of a block, of those above it, and loads)/(young·area of its plan) ≤ 1/100, and (strain of the initial stress) ≤ 1/100"
             }
-            WarningKind::Speed => "(depth at which one contact stops a block's given velocity and spin) ≤ penetration",
+            WarningKind::Speed => "(depth at which one contact stops the given motion of two blocks) ≤ penetration",
             WarningKind::Hanging => {
                 "(weight of a block, of those above it, and loads)/(stiffness of its fixed points) ≤ (smallest side of the block)/2"
             }
@@ -113,7 +113,7 @@ impl WarningKind {
                 "strains are taken for small, and rock breaks long before: young is in Pa, so 50 GPa are 50e9"
             }
             WarningKind::Speed => {
-                "the contact takes p·d²/2 = E + W·d, with p the normal stiffness, E the energy of the motion and W the weight; where n contacts share it none is as deep"
+                "d = W/(n·p) + √(2E/p), with p the normal stiffness, E the energy of the motion relative to the other block and of spins, and W the weight of the upper block, on the n corners of its smallest face; where contacts share E none is as deep"
             }
             WarningKind::Hanging => {
                 "no other block stands against the force, so it is borne by springs of fixed points alone"
