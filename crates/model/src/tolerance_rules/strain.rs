@@ -101,6 +101,7 @@ mod tests {
         assert_eq!(found.remedy, "young ≥ 3.75001e6");
         assert_eq!(of_young(50, Motion::Rigid), None, "a rigid block has no strain");
     }
+
     #[test]
     fn initial_stress_strains_by_hookes_law() {
         let one = Vec3::new(1, 1, 1).map(|&c| Number::from_integer(c));
@@ -109,7 +110,7 @@ mod tests {
         let mut of = |parts: [f64; 6], young: &str| {
             scene.simulation.materials[0].young = Number::parse(young).unwrap();
             scene.blocks[0].body.stress = parts.map(|part| Number::from_f64(part).unwrap());
-            strain(&scene, &[]).map(|found| found.found)
+            strain(&scene, None).map(|found| found.found)
         };
         let near = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-12;
         // ν = 1/4: of one principal stress √(1 + 2/16), all round 1 − 2/4 along each of three axes, of shear 1 + 1/4 twice.
