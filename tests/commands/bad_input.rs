@@ -1,5 +1,7 @@
 //! Broken input, reader by reader: the program exits 2, says where and what, and never panics.
 
+// Longer than 400 lines: one bad input after another, all with what they are told.
+
 use assert_cmd::Command;
 use std::path::Path;
 
