@@ -262,11 +262,9 @@ mod tests {
         let mut numbers = Numbers(1);
         let mut square = |own: f64| -> Square {
             let mut square = [[0.0; 12]; 12];
-            for r in 0..12 {
-                for c in 0..=r {
-                    let value = if r == c { own } else { numbers.next() };
-                    (square[r][c], square[c][r]) = (value, value);
-                }
+            for (r, c) in (0..12).flat_map(|r| (0..=r).map(move |c| (r, c))) {
+                let value = if r == c { own } else { numbers.next() };
+                (square[r][c], square[c][r]) = (value, value);
             }
             square
         };
