@@ -61,7 +61,7 @@ fn named(block: usize, scene: &Scene) -> String {
 }
 
 /// The reflex edges of a scene on which another block lies without a contact, in the order of pairs; `overlaps` names the neighbouring pairs. Lying on it means within `territory`, as a vertex then counts as on a
-/// convex edge: such a vertex bears only where it has a contact on each of the two faces of the edge. Not named is what [`is_borne_around`] says. Compared exactly; pairs of convex blocks and pairs of fixed ones are not looked at.
+/// convex edge: such a vertex bears only where it has a contact on each of the two faces of the edge. Not named is what `is_borne_around` says. Compared exactly; pairs of convex blocks and pairs of fixed ones are not looked at.
 /// Where `stop` is set meanwhile, those of the pairs looked at until then.
 pub fn bare_edges(scene: &Scene, set: &ToleranceSet, overlaps: &Overlaps, stop: &AtomicBool) -> Vec<BareEdge> {
     of_pairs(&scene.blocks, set, overlaps.neighbours(), stop)
