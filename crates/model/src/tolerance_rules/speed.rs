@@ -1,7 +1,8 @@
 //! Whether blocks that the scene sets in motion are stopped before they are deeper in one another than `penetration`: an estimate, as [`fall`](super::fall()) is of heights.
 // Longer than 400 lines: the estimate, which pairs can meet, and the tests of both.
 
-use super::column::{ColumnSource, dot, gravity, point};
+use super::column::{ColumnSource, dot, gravity};
+use super::shape::Shape;
 use super::six_digits;
 use super::warning::{Warning, WarningKind};
 use crate::number::Number;
@@ -88,12 +89,11 @@ struct Moving<'s> {
     stiffness: f64,
     /// How high its middle is, times gravity (m²/s²).
     height: f64,
-    /// Its vertices.
-    points: Vec<[f64; 3]>,
     /// Its box; of a spinning one that of the ball about its centroid which it stays in.
     low: [f64; 3],
     high: [f64; 3],
-    shape: Option<&'s SceneBlock>,
+    /// `None` of several.
+    shape: Option<&'s Shape<'s>>,
 }
 
 /// How deep a pair goes, and by what.
@@ -106,11 +106,12 @@ struct Depth {
 }
 
 impl<'s> Moving<'s> {
-    fn of(scene: &'s Scene, source: &ColumnSource<'_>, block: usize, pull: [f64; 3]) -> Moving<'s> {
+    fn of(scene: &Scene, source: &'s ColumnSource<'_>, block: usize, pull: [f64; 3]) -> Moving<'s> {
         let one = &scene.blocks[block];
         let mass = source.masses[block].filter(|_| !one.body.is_fixed());
         let corners = smallest_face(&one.block) as f64;
-        let points: Vec<[f64; 3]> = one.block.vertices().iter().map(point).collect();
+        let shape = &source.shapes()[block];
+        let points = &shape.points;
         let spins = mass.is_some() && !is_zero(&one.body.spin);
         let end = |pick: fn(f64, f64) -> f64, from: f64| {
             points.iter().fold([from; 3], |ends, at| [0, 1, 2].map(|k| pick(ends[k], at[k])))
@@ -134,10 +135,9 @@ impl<'s> Moving<'s> {
             resting: mass.map_or(0.0, |mass| mass * dot(pull, pull).sqrt() / corners),
             stiffness: mass.map_or(f64::NAN, |_| source.contacts[block] / corners),
             height: -dot(middle, pull),
-            points,
             low,
             high,
-            shape: Some(one),
+            shape: Some(shape),
         }
     }
 
@@ -183,25 +183,11 @@ impl<'s> Moving<'s> {
                 ([0, 1, 2].map(|k| f64::midpoint(self.low[k], self.high[k])), (self.high[0] - self.low[0]) / 2.0);
             return [dot(middle, along) - radius, dot(middle, along) + radius];
         }
-        self.points
+        self.shape
+            .map_or(&[][..], |shape| &shape.points)
             .iter()
             .map(|&at| dot(at, along))
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
-    }
-
-    /// The unit normals of its faces.
-    fn normals(&self) -> impl Iterator<Item = [f64; 3]> {
-        let faces = self.shape.map_or(&[][..], |one| one.block.topology().faces());
-        faces.iter().filter_map(|face| {
-            let arm = |k: usize| [0, 1, 2].map(|i| self.points[face[k].index()][i] - self.points[face[0].index()][i]);
-            let add = |sum: [f64; 3], k: usize| {
-                let ([a, b, c], [x, y, z]) = (arm(k), arm(k + 1));
-                [sum[0] + b * z - c * y, sum[1] + c * x - a * z, sum[2] + a * y - b * x]
-            };
-            let normal = (1..face.len() - 1).fold([0.0; 3], add);
-            let length = dot(normal, normal).sqrt();
-            (length > 0.0 && length.is_finite()).then(|| normal.map(|n| n / length))
-        })
     }
 }
 
@@ -226,7 +212,6 @@ fn by_velocity<'s>(all: &[Moving<'s>]) -> Vec<(Moving<'s>, Vec<usize>)> {
             resting: most(|one| one.resting),
             stiffness: if has_fixed { f64::NAN } else { least(|one| one.stiffness) },
             height: 0.0,
-            points: Vec::new(),
             low: [0, 1, 2].map(|k| each().map(|one| one.low[k]).fold(f64::INFINITY, f64::min)),
             high: [0, 1, 2].map(|k| each().map(|one| one.high[k]).fold(f64::NEG_INFINITY, f64::max)),
             shape: None,
@@ -254,9 +239,10 @@ impl Limits {
         if (0..3).any(|along| self.keep_apart(unit(along), pair, false)) {
             return false;
         }
-        let count = |one: &Moving<'_>| one.shape.map_or(0, |shape| shape.block.topology().faces().len());
-        let [faces, points] = [pair.map(count), pair.map(|one| one.points.len())].map(|[a, b]| a + b);
-        let mut normals = pair.into_iter().flat_map(Moving::normals);
+        let shapes = || pair.into_iter().filter_map(|one| one.shape);
+        let faces: usize = shapes().map(|shape| shape.faces.len()).sum();
+        let points: usize = shapes().map(|shape| shape.points.len()).sum();
+        let mut normals = shapes().flat_map(|shape| &shape.faces).map(|face| face.normal);
         faces * points > MAX_PROJECTIONS || !normals.any(|normal| self.keep_apart(normal, pair, false))
     }
 

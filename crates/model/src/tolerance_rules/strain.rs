@@ -17,9 +17,7 @@ pub(super) const MAX_STRAIN: f64 = 0.01;
 /// of that the Frobenius norm counts, no less than the strain along any axis: √(1 + 2ν²)·σ/E of one principal stress, √3·(1 − 2ν)·σ/E where it is the same all round. What f64 does not hold is infinite.
 pub(super) fn strain(scene: &Scene, squashed: Option<(usize, f64)>) -> Option<Warning> {
     let stressed = deformable(scene).map(|(block, young)| (block, stress_strain(scene, block, young)));
-    let known = |(block, strain): (usize, f64)| (block, if strain.is_nan() { f64::INFINITY } else { strain });
-    let all = squashed.into_iter().chain(stressed).map(known);
-    let (block, found) = all.reduce(|most, next| if next.1.total_cmp(&most.1).is_gt() { next } else { most })?;
+    let (block, found) = largest(squashed.into_iter().chain(stressed))?;
     if found <= MAX_STRAIN {
         return None;
     }
