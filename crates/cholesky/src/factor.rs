@@ -31,12 +31,8 @@ const PART: usize = 48;
 /// So many rows of products are worked out, and so many rows below a panel's square divided by its factor, at a time.
 const ROWS: usize = 96;
 
-/// Cholesky's method, left-looking: each panel that is marked is filled, gathers what the earlier ones take from it, then is factored as
-/// a dense one.
-///
-/// # Errors
-/// The first pivot that is not positive and finite.
-pub fn factor<R: Float + Send + Sync>(
+/// [`factor`](crate::factor), compiled for a scalar where this is called.
+pub(crate) fn factor_panels<R: Float + Send + Sync>(
     pattern: &Pattern,
     values: &mut [R],
     marked: &[bool],

@@ -8,11 +8,12 @@ mod elimination_order;
 mod factor;
 mod kernels;
 mod pattern;
+mod scalar;
 mod substitution;
 mod subtrees;
 
 pub use elimination_order::{Graph, Renumbered, elimination_order};
-pub use factor::{Fill, Singular, factor};
+pub use factor::{Fill, Singular};
 pub use pattern::{BlockSlot, Pattern};
-pub use substitution::{backward, forward, substitute};
+pub use scalar::{Scalar, backward, factor, forward, substitute};
 pub use subtrees::Threads;

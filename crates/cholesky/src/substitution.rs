@@ -16,20 +16,20 @@ use std::ops::Range;
 /// Subtrees of fewer values than this are not worth another thread.
 const WORTH_A_THREAD: u64 = 100_000;
 
-/// Solves in place by the values of a factor.
-pub fn substitute<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R], threads: Threads) {
+/// [`substitute`](crate::substitute), compiled for a scalar where this is called.
+pub(crate) fn solve<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R], threads: Threads) {
     let substitution = Substitution::new(pattern, values, threads.worth(WORTH_A_THREAD));
     substitution.forth(solution);
     substitution.back(solution);
 }
 
-/// The first half of it: `L⁻¹` times the right side.
-pub fn forward<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
+/// [`forward`](crate::forward), likewise.
+pub(crate) fn divide<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
     Substitution::new(pattern, values, WORTH_A_THREAD).forth(solution);
 }
 
-/// The second half.
-pub fn backward<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
+/// [`backward`](crate::backward), likewise.
+pub(crate) fn divide_transposed<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
     Substitution::new(pattern, values, WORTH_A_THREAD).back(solution);
 }
 
