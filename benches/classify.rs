@@ -1,4 +1,4 @@
-//! Every entry of `rockproof bench` in criterion, on the same pairs: `cargo bench --bench classify -- generic/certified`.
+//! Every entry of `rockproof bench` in criterion, on the same pairs: `cargo bench -p rockproof-benches --bench classify -- generic/certified`.
 //!
 //! Criterion times one entry after the other, which suits a quiet machine and one of them over time. For
 //! ratios use the command, which lets them take turns.

@@ -1,4 +1,4 @@
-//! The time of making pairs, family by family, in criterion: `cargo bench --bench families -- sliver`.
+//! The time of making pairs, family by family, in criterion: `cargo bench -p rockproof-benches --bench families -- sliver`.
 #![allow(missing_docs)] // criterion's macros make public items
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

@@ -1,5 +1,6 @@
-//! Every table for a paper goes through pdfLaTeX, and so do names that are not of the Latin alphabet. Runs where pdflatex and booktabs are
-//! installed; with ROCKPROOF_REQUIRE_PDFLATEX=1, as in `.ci/run` where they are to be had, their absence is a failure.
+//! Every table for a paper goes through pdfLaTeX, and so do names that are not of the Latin alphabet: `cargo test --release --test commands latex:: --
+//! --ignored` where pdflatex and booktabs are installed; with ROCKPROOF_REQUIRE_PDFLATEX=1, as in `.ci/run` where they are to be had, their absence is a
+//! failure.
 
 use rockproof_report::latex::latex;
 use rockproof_report::table::{Table, TableCell};
@@ -43,6 +44,7 @@ fn is_installed() -> bool {
 }
 
 #[test]
+#[ignore = "needs pdflatex; .ci/run runs it"]
 fn tables_for_a_paper_are_latex() {
     if !is_installed() {
         return;
