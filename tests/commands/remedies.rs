@@ -151,6 +151,11 @@ fn a_territory_of_zero_is_not_told_to_move_the_blocks_into_the_origin() {
     place.file("box.obj", &obj(&[(LARGE, false)]));
     let (code, out, _) = place.run(&["check", "box.obj", "--set", "territory=0"]);
     assert!(code == 1 && out.contains("territory ≥ ") && !out.contains("all coordinates"), "{out}");
+    // Unless that is all that helps: no territory is above the roundings there and within a quarter of the shortest edge.
+    place.file("far.obj", &obj(&[([[1e6, 0.0, 0.0], [1_000_001.0, 1.0, 1.0]], false)]));
+    let (code, out, _) = place.run(&["check", "far.obj", "--precision", "f32", "--set", "territory=0"]);
+    let told = "    satisfied  by territory ≥ 2⁸·eps·(largest coordinate) and all coordinates ≤ 8191.9";
+    assert!(code == 1 && out.contains(told), "{out}");
     let (_, out, _) = place.run(&["check", "box.obj", "--set", "territory=1e-30"]);
     assert!(out.contains(" or all coordinates ≤ "), "{out}");
 }
@@ -194,6 +199,9 @@ fn numbers_of_fortran_are_read_in_dda() {
     assert_eq!(said("d.dda"), said("e.dda"));
     let (code, err) = checked("a.dda", &DDA.replace("0 3.0 0\n", "0 3.0DD0 0\n"));
     assert!(code == 2 && err.contains("found \"3.0DD0\""), "{err}");
+    // What stands in the file is told, not what was made of it.
+    let (code, err) = checked("a.dda", &DDA.replace("0 3.0 0\n", "0 3.0D400 0\n"));
+    assert!(code == 2 && err.contains("3.0D400") && !err.contains("3.0e400"), "{err}");
 }
 
 #[test]
@@ -202,7 +210,13 @@ fn lines_and_points_of_obj_are_skipped_with_their_vertices() {
     let (code, err) = checked("loose.obj", &format!("{text}v 9 9 9\nv 9 9 8\nl 9 10\np -1\n"));
     assert_eq!(code, 0, "{err}");
     let (code, err) = checked("loose.obj", &format!("{text}v 9 9 9\nv 9 9 8\nl 9 11\n"));
-    assert!(code == 2 && err.contains("is 11; allowed is 1 to 10"), "{err}");
+    assert!(code == 2 && err.contains("a vertex number of a line is 11; allowed is 1 to 10"), "{err}");
+    let (code, err) = checked("loose.obj", &format!("{text}p 9\n"));
+    assert!(code == 2 && err.contains("a vertex number of a point is 9; allowed is 1 to 8"), "{err}");
+    let (code, err) = checked("loose.obj", &format!("{text}l 1 x\n"));
+    assert!(code == 2 && err.contains("a vertex of a line: i, "), "{err}");
+    let (code, err) = checked("loose.obj", &format!("{text}f 1 2 9\n"));
+    assert!(code == 2 && err.contains("a vertex number of a face is 9"), "{err}");
     let (code, err) = checked("loose.obj", &format!("{text}v 9 9 9\n"));
     assert!(code == 2 && err.contains("vertex 9 of the file is in no face"), "{err}");
 }

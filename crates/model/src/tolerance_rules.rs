@@ -299,11 +299,18 @@ impl Extremes {
         let remedies = [
             ("territory", RequiredValue::OrMore(resolved.clone())),
             ("all coordinates", RequiredValue::OrLess(&territory / &eps)),
+            // No block has all of its coordinates 0, so a territory of 0 has to be changed with them.
+            (
+                "territory ≥ 2⁸·eps·(largest coordinate) and all coordinates",
+                RequiredValue::RootOrLess(&quarter / (&eps * &eps)),
+            ),
         ];
-        // A territory that the shortest edge does not allow would break another rule, and no block has all of its coordinates 0.
-        let possible = match set.territory.is_zero() {
-            true => &remedies[..1],
-            false => &remedies[usize::from(&resolved * &resolved > quarter)..],
+        // A territory that the shortest edge does not allow would break another rule.
+        let is_too_coarse = &resolved * &resolved > quarter;
+        let possible = match (set.territory.is_zero(), is_too_coarse) {
+            (true, false) => &remedies[..1],
+            (true, true) => &remedies[2..],
+            (false, _) => &remedies[usize::from(is_too_coarse)..2],
         };
         violations.require(
             Rule::TerritoryResolved,

@@ -8,7 +8,7 @@ use crate::block::Point;
 use crate::number::Number;
 use crate::scene::error::SceneProblem;
 use crate::scene::raw::{FeatureLines, RawBlock, Winding};
-use crate::scene::tokens::{self, Located, Token, Tokens, unexpected, whole};
+use crate::scene::tokens::{self, Located, Tokens, unexpected, whole};
 use crate::text::noun;
 use crate::vector::Vec3;
 
@@ -99,7 +99,7 @@ fn number(tokens: &mut Tokens<'_>, what: &str) -> Result<Number, Located> {
     let token = tokens.next(what)?;
     let with_e = token.text.replace(['D', 'd'], "e");
     let is_fortran = with_e != token.text && with_e.parse::<f64>().is_ok();
-    tokens::number(if is_fortran { Token { text: &with_e, ..token } } else { token }, what)
+    if is_fortran { tokens::number_written(token, &with_e, what) } else { tokens::number(token, what) }
 }
 
 /// The section behind the points.

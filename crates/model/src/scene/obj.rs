@@ -46,7 +46,7 @@ pub(super) fn read(text: &str, weld_distance: Option<&Number>) -> Result<Vec<Raw
             // Edges and points of no face, as Blender writes them.
             "l" | "p" => {
                 for word in words {
-                    loose.insert(corner(word, vertices.len())?);
+                    loose.insert(corner(word, vertices.len(), if keyword.text == "l" { "line" } else { "point" })?);
                 }
             }
             "vt" | "vn" | "vp" | "g" | "s" | "usemtl" | "mtllib" => {}
@@ -116,7 +116,7 @@ fn vertex<'a>(keyword: Token<'a>, words: impl Iterator<Item = Token<'a>>) -> Res
 }
 
 fn face<'a>(words: impl Iterator<Item = Token<'a>>, vertices: &[(Point, usize)], line: usize) -> Result<Face, Located> {
-    let vertices = words.map(|word| corner(word, vertices.len())).collect::<Result<Vec<u32>, _>>()?;
+    let vertices = words.map(|word| corner(word, vertices.len(), "face")).collect::<Result<Vec<u32>, _>>()?;
     if vertices.len() < 3 {
         let found = format!("a face of {} vertices", vertices.len());
         return Err((
@@ -127,8 +127,8 @@ fn face<'a>(words: impl Iterator<Item = Token<'a>>, vertices: &[(Point, usize)],
     Ok(Face { vertices, line: Some(line) })
 }
 
-/// `i`, `i/t`, `i//n` or `i/t/n`: vertices count from 1, or from −1 backwards, among those above the face.
-fn corner(word: Token<'_>, count: usize) -> Result<u32, Located> {
+/// `i`, `i/t`, `i//n` or `i/t/n`: vertices count from 1, or from −1 backwards, among those above the statement. `of` says what of: a face, a line, a point.
+fn corner(word: Token<'_>, count: usize, of: &str) -> Result<u32, Located> {
     let mut parts = word.text.split('/');
     let index = parts.next().unwrap_or("");
     let others: Vec<&str> = parts.collect();
@@ -143,7 +143,7 @@ fn corner(word: Token<'_>, count: usize) -> Result<u32, Located> {
         _ => false,
     };
     if !is_integer(index) || !well_formed {
-        return Err(unexpected(word, "a vertex of a face: i, i/t, i//n or i/t/n"));
+        return Err(unexpected(word, &format!("a vertex of a {of}: i, i/t, i//n or i/t/n")));
     }
     let place = match index.parse::<i64>() {
         Ok(index) if index > 0 => Some(index - 1),
@@ -154,7 +154,7 @@ fn corner(word: Token<'_>, count: usize) -> Result<u32, Located> {
         Some(place) if (0..count as i64).contains(&place) => Ok(place as u32),
         _ => {
             let problem = SceneProblem::NotAllowed {
-                what: "a vertex number of a face".to_string(),
+                what: format!("a vertex number of a {of}"),
                 found: shown(index),
                 allowed: match count {
                     0 => "none, there is no vertex above it".to_string(),

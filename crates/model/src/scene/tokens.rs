@@ -135,9 +135,14 @@ pub(super) fn whole(token: Token<'_>, what: &str) -> Result<usize, Located> {
 
 /// The f64 a word parses to (SPEC section 1).
 pub(super) fn number(token: Token<'_>, what: &str) -> Result<Number, Located> {
+    number_written(token, token.text, what)
+}
+
+/// The f64 that a word parses to when it is written as `text`; errors tell the word.
+pub(super) fn number_written(token: Token<'_>, text: &str, what: &str) -> Result<Number, Located> {
     let fail = |error| (Some(token.line), SceneProblem::Number { what: what.to_string(), error });
-    let is_plain = token.text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
-    match token.text.parse::<f64>() {
+    let is_plain = text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
+    match text.parse::<f64>() {
         Ok(value) if !is_plain || value.is_infinite() => Number::from_f64(if is_plain { value } else { f64::NAN })
             .map_err(|_| fail(NumberError::NotFinite { found: shown(token.text) })),
         Ok(value) => Number::from_f64(value).map_err(fail),
