@@ -10,6 +10,7 @@ mod hanging;
 mod largest;
 mod load;
 mod load_sums;
+mod places;
 mod pressing;
 mod properties;
 mod remedy;

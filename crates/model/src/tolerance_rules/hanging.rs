@@ -2,11 +2,13 @@
 
 use super::column::{ColumnSource, Plans, across_and_against, box_along, carried, dot, gravity};
 use super::load_sums::{LoadSums, load_sums};
+use super::places::Places;
 use super::shape::{Shape, gap_ahead, largest, length, minus};
 use super::six_digits;
 use super::warning::{Warning, WarningKind};
 use crate::scene::Scene;
 use crate::tolerance::ToleranceSet;
+use std::cell::OnceCell;
 
 /// The sine of 5°: a face that a force meets at less bears none of it worth counting.
 const LEAST_SINE: f64 = 0.0871557;
@@ -23,6 +25,7 @@ pub(super) fn hanging(set: &ToleranceSet, scene: &Scene, source: &ColumnSource<'
     let (loads, shapes, within) = (load_sums(scene), source.shapes(), set.penetration.approximate());
     let along_gravity = source.along_gravity().zip(gravity(scene)).map(|(columns, (down, _))| (columns, down));
     let plans = along_gravity.as_ref().map(|(columns, _)| Plans::of(columns));
+    let places = OnceCell::new();
     let stretched = hung.into_iter().filter_map(|block| {
         let weight = along_gravity.as_ref().zip(plans.as_ref()).map_or([0.0; 3], |((columns, down), plans)| {
             down.map(|part| part * carried(columns, plans, &columns[block]))
@@ -32,7 +35,9 @@ pub(super) fn hanging(set: &ToleranceSet, scene: &Scene, source: &ColumnSource<'
         let allowed = (0..3).map(|k| high[k] - low[k]).fold(f64::INFINITY, f64::min) / 2.0;
         let moves = |force: [f64; 3]| (force, length(force) / source.held[block]);
         let beyond: Vec<_> = forces(&loads, block, weight).map(moves).filter(|(_, by)| *by > allowed).collect();
-        let against = if beyond.is_empty() { Vec::new() } else { stand_around(shapes, block, within, allowed) };
+        let around = || places.get_or_init(|| Places::of(shapes));
+        let against =
+            if beyond.is_empty() { Vec::new() } else { stand_around(shapes, around(), block, [within, allowed]) };
         let is_free = |force: [f64; 3]| {
             let least = LEAST_SINE * length(force);
             !against.iter().any(|n| dot(force, *n) >= least)
@@ -55,12 +60,14 @@ fn forces(loads: &LoadSums, block: usize, weight: [f64; 3]) -> impl Iterator<Ite
 }
 
 /// The directions along which another block stands against a block, no more than `reach` before it.
-fn stand_around(shapes: &[Shape<'_>], block: usize, within: f64, reach: f64) -> Vec<[f64; 3]> {
+fn stand_around(shapes: &[Shape<'_>], places: &Places, block: usize, [within, reach]: [f64; 2]) -> Vec<[f64; 3]> {
     let own = &shapes[block];
     let mut against = Vec::new();
-    for (_, other) in shapes.iter().enumerate().filter(|(other, _)| *other != block) {
-        // Blocks that face one another are no further apart than both radii, and `reach`, along a normal, and both radii along either direction across it.
-        let (arm, widest) = (minus(other.centre, own.centre), 2.0 * (own.radius + other.radius) + reach);
+    // Blocks that face one another are no further apart than both radii, and `reach`, along a normal, and both radii along either direction across it.
+    let widest = |radius: f64| 2.0 * (own.radius + radius) + reach;
+    for other in places.near(own.centre, widest(places.radius)).filter(|other| *other != block) {
+        let other = &shapes[other];
+        let (arm, widest) = (minus(other.centre, own.centre), widest(other.radius));
         if dot(arm, arm) > widest * widest {
             continue;
         }

@@ -15,13 +15,16 @@ use std::collections::BTreeMap;
 /// Faces times vertices of two blocks up to which they are looked at along the normals of their faces.
 const MAX_PROJECTIONS: usize = 1 << 16;
 
+/// Velocities that are looked at together, and such ranges of them.
+const RANGE: usize = 32;
+
 /// The block whose given motion would carry it deepest into another one, if that is deeper than `penetration`; of equally deep pairs the first. `None` where `dynamic` is 0: then every step ends at rest.
 ///
 /// Two blocks of masses m and M that move with v relative to one another and spin have no more than E = ½·μ·v² + (energies of both spins) to give to a contact between them, with μ = m·M/(m + M), m where the other one is fixed.
 /// Weight is borne by all n contacts of the smallest face of the upper one and presses them W/(n·p) deep, as in the rule on the stiffness; about that rest springs are linear, and one of them that takes all of E goes √(2E/p) deeper.
 /// Pairs that never meet are left out, as far as [`Limits::may_meet`] knows.
 ///
-/// Costs a few operations for each block with a motion and each velocity of the scene, and as many for each pair that could be deeper than the deepest found so far.
+/// Costs a few operations for each pair that could be deeper than the deepest found so far, and for each block with a motion as many for each velocity of the scene that could make one so, and for each thousand of the others.
 pub(super) fn speed(set: &ToleranceSet, scene: &Scene, source: &ColumnSource<'_>) -> Option<Warning> {
     let allowed = set.penetration.approximate();
     if allowed <= 0.0 || scene.simulation.control.dynamic == Number::ZERO || !scene.blocks.iter().any(moves) {
@@ -31,24 +34,37 @@ pub(super) fn speed(set: &ToleranceSet, scene: &Scene, source: &ColumnSource<'_>
     let limits = Limits { pull, penetration: allowed, search: set.search.approximate() };
     let all: Vec<Moving<'_>> = (0..scene.blocks.len()).map(|block| Moving::of(scene, source, block, pull)).collect();
     let groups = by_velocity(&all);
+    let each: Vec<Several<'_>> = groups.iter().map(|(bounds, _)| Several::alike(bounds)).collect();
+    let ranges: Vec<Several<'_>> = each.chunks(RANGE).map(Several::around).collect();
+    let wide: Vec<Several<'_>> = ranges.chunks(RANGE).map(Several::around).collect();
     let mut deepest: Option<(usize, Depth)> = None;
     let mut least = allowed;
     for (place, one) in all.iter().enumerate().filter(|(place, _)| moves(&scene.blocks[*place])) {
-        for (all_of_it, members) in &groups {
-            let most = one.depth(all_of_it, one.resting.max(all_of_it.resting));
-            // Only a depth above the deepest so far counts, and none of the group is as deep as `most`.
-            let is_out = |along: usize| limits.keep_apart(unit(along), [one, all_of_it], true);
-            if most.is_none_or(|most| most.depth <= least) || (0..3).any(is_out) {
+        for ((wide, ranges), groups) in wide.iter().zip(ranges.chunks(RANGE)).zip(groups.chunks(RANGE * RANGE)) {
+            if !wide.may_be_deeper(one, least) {
                 continue;
             }
-            for &other in members {
-                if other == place || (other < place && moves(&scene.blocks[other])) {
+            for (range, groups) in ranges.iter().zip(groups.chunks(RANGE)) {
+                if !range.may_be_deeper(one, least) {
                     continue;
                 }
-                let with = &all[other];
-                let Some(depth) = one.depth(with, one.resting_on(with)) else { continue };
-                if depth.depth > least && limits.may_meet([one, with]) {
-                    (deepest, least) = (Some((place, depth)), depth.depth);
+                for (all_of_it, members) in groups {
+                    let most = one.depth(all_of_it, one.resting.max(all_of_it.resting));
+                    // Only a depth above the deepest so far counts, and none of the group is as deep as `most`.
+                    let is_out = |along: usize| limits.keep_apart(unit(along), [one, all_of_it], true);
+                    if most.is_none_or(|most| most.depth <= least) || (0..3).any(is_out) {
+                        continue;
+                    }
+                    for &other in members {
+                        if other == place || (other < place && moves(&scene.blocks[other])) {
+                            continue;
+                        }
+                        let with = &all[other];
+                        let Some(depth) = one.depth(with, one.resting_on(with)) else { continue };
+                        if depth.depth > least && limits.may_meet([one, with]) {
+                            (deepest, least) = (Some((place, depth)), depth.depth);
+                        }
+                    }
                 }
             }
         }
@@ -152,7 +168,11 @@ impl<'s> Moving<'s> {
 
     /// How deep one contact of the two goes; `None` where neither moves relative to the other, and where nothing is known of the stiffness. Infinite where f64 does not hold it.
     fn depth(&self, other: &Moving<'_>, resting: f64) -> Option<Depth> {
-        let relative = self.relative_to(other);
+        self.depth_at(self.relative_to(other), other, resting)
+    }
+
+    /// The same where they move so relative to one another.
+    fn depth_at(&self, relative: [f64; 3], other: &Moving<'_>, resting: f64) -> Option<Depth> {
         let stiffness = self.stiffness.max(other.stiffness);
         let spins = self.spin.is_some() || other.spin.is_some();
         if stiffness.is_nan() || (relative == [0.0; 3] && !spins) {
@@ -198,27 +218,67 @@ fn by_velocity<'s>(all: &[Moving<'s>]) -> Vec<(Moving<'s>, Vec<usize>)> {
         places.entry(one.velocity.map(f64::to_bits)).or_default().push(place);
     }
     let group = |members: Vec<usize>| {
-        let each = || members.iter().map(|&place| &all[place]);
-        let most = |of: fn(&Moving<'_>) -> f64| each().map(of).fold(f64::NEG_INFINITY, f64::max);
-        let least = |of: fn(&Moving<'_>) -> f64| each().map(of).fold(f64::INFINITY, f64::min);
-        let spin = each().filter_map(|one| one.spin).max_by(f64::total_cmp);
-        // A fixed one has no stiffness of its own, so that of the other one of a pair is a bound.
-        let has_fixed = each().any(|one| one.stiffness.is_nan());
-        let bounds = Moving {
-            velocity: all[members[0]].velocity,
-            can_move: each().any(|one| one.can_move),
-            spin,
-            inverse_mass: least(|one| one.inverse_mass),
-            resting: most(|one| one.resting),
-            stiffness: if has_fixed { f64::NAN } else { least(|one| one.stiffness) },
-            height: 0.0,
-            low: [0, 1, 2].map(|k| each().map(|one| one.low[k]).fold(f64::INFINITY, f64::min)),
-            high: [0, 1, 2].map(|k| each().map(|one| one.high[k]).fold(f64::NEG_INFINITY, f64::max)),
-            shape: None,
-        };
-        (bounds, members)
+        let each: Vec<&Moving<'_>> = members.iter().map(|&place| &all[place]).collect();
+        (bounds_of(&each), members)
     };
     places.into_values().map(group).collect()
+}
+
+/// Bounds of several blocks, with the velocity of the first.
+fn bounds_of<'s>(all: &[&Moving<'s>]) -> Moving<'s> {
+    let each = || all.iter().copied();
+    let most = |of: fn(&Moving<'_>) -> f64| each().map(of).fold(f64::NEG_INFINITY, f64::max);
+    let least = |of: fn(&Moving<'_>) -> f64| each().map(of).fold(f64::INFINITY, f64::min);
+    let spin = each().filter_map(|one| one.spin).max_by(f64::total_cmp);
+    // A fixed one has no stiffness of its own, so that of the other one of a pair is a bound.
+    let has_fixed = each().any(|one| one.stiffness.is_nan());
+    Moving {
+        velocity: all[0].velocity,
+        can_move: each().any(|one| one.can_move),
+        spin,
+        inverse_mass: least(|one| one.inverse_mass),
+        resting: most(|one| one.resting),
+        stiffness: if has_fixed { f64::NAN } else { least(|one| one.stiffness) },
+        height: 0.0,
+        low: [0, 1, 2].map(|k| each().map(|one| one.low[k]).fold(f64::INFINITY, f64::min)),
+        high: [0, 1, 2].map(|k| each().map(|one| one.high[k]).fold(f64::NEG_INFINITY, f64::max)),
+        shape: None,
+    }
+}
+
+/// Blocks of several velocities.
+struct Several<'s> {
+    bounds: Moving<'s>,
+    /// The least and the greatest of their velocities along each axis.
+    velocities: [[f64; 3]; 2],
+}
+
+impl<'s> Several<'s> {
+    /// Those of one velocity.
+    fn alike(bounds: &Moving<'s>) -> Several<'s> {
+        Several { bounds: bounds_of(&[bounds]), velocities: [bounds.velocity; 2] }
+    }
+
+    fn around(all: &[Several<'s>]) -> Several<'s> {
+        let each: Vec<&Moving<'_>> = all.iter().map(|one| &one.bounds).collect();
+        let ends = |end: usize, pick: fn(f64, f64) -> f64| {
+            let velocities = all.iter().map(|one| one.velocities[end]);
+            velocities.reduce(|a, b| [0, 1, 2].map(|k| pick(a[k], b[k]))).unwrap_or_default()
+        };
+        Several { bounds: bounds_of(&each), velocities: [ends(0, f64::min), ends(1, f64::max)] }
+    }
+
+    /// Whether one of them may go deeper in a block than `least`.
+    fn may_be_deeper(&self, one: &Moving<'_>, least: f64) -> bool {
+        let [low, high] = self.velocities;
+        let relative = [0, 1, 2].map(|k| {
+            let [from, to] = [one.velocity[k] - low[k], one.velocity[k] - high[k]].map(f64::abs);
+            // A difference that f64 does not hold is beyond it.
+            if from.is_nan() || to.is_nan() { f64::INFINITY } else { from.max(to) }
+        });
+        one.depth_at(relative, &self.bounds, one.resting.max(self.bounds.resting))
+            .is_some_and(|most| most.depth > least)
+    }
 }
 
 fn unit(along: usize) -> [f64; 3] {
@@ -425,5 +485,27 @@ mod tests {
         ]);
         let found = found(&cubes(&all), 0.03125).unwrap();
         assert_eq!((found.block, (found.found * 1e6).round()), (Some(4), 212_132.0));
+    }
+
+    #[test]
+    fn of_many_velocities_the_deepest_pair_is_found() {
+        // Cubes in a lattice far apart, each with a velocity of its own; towards one another most by two that are not next to one another in any order.
+        let mut all: Vec<_> = (0..3000_u32)
+            .map(|k| {
+                let turned = f64::from(k * 7919 % 3000) / 3000.0;
+                let at = [k % 15, k / 15 % 15, k / 225].map(|c| 3.0 * f64::from(c));
+                (at, [turned, f64::from(k) / 6000.0, 0.25 - turned / 2.0])
+            })
+            .collect();
+        (all[700].1, all[701].1) = ([4.0, 0.0, 0.0], [-3.0, 0.0, 0.0]);
+        let deepest = |all: &[([f64; 3], [f64; 3])]| {
+            let warning = found(&cubes(all), 0.015625).unwrap();
+            (warning.block, (warning.found * 1e6).round())
+        };
+        // √(500·49/10⁵)
+        assert_eq!(deepest(&all), (Some(700), 494_975.0));
+        (all[700].1, all[701].1) = ([0.0; 3], [0.0; 3]);
+        (all[3], all[2999]) = (([-40.0, -40.0, 0.0], [-3.0, 0.0, 0.0]), ([-50.0, -40.0, 0.0], [4.0, 0.0, 0.0]));
+        assert_eq!(deepest(&all), (Some(3), 494_975.0));
     }
 }

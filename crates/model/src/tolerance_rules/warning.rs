@@ -80,7 +80,7 @@ impl WarningKind {
             WarningKind::Load => {
                 "(weight of a block, of those above it, and loads)/(normal_stiffness·corners of its smallest face) ≤ penetration"
             }
-            WarningKind::Loads => "(directions of faces along which loads press) ≤ (those looked along)",
+            WarningKind::Loads => "(directions of faces along which loads may press) ≤ (those looked along)",
             WarningKind::Strain => {
                 "(weight of a block, of those above it, and loads)/(young·area of its plan) ≤ 1/100, and (strain of the initial stress) ≤ 1/100"
             }
