@@ -21,6 +21,7 @@ use rockproof_differential::lockstep::{
 use rockproof_examine::{
     AuditedRun, IntrusionRecorder, ignored_of_fixed, unused_laws, violation_json, violations_text,
 };
+use rockproof_model::files::read_text;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::{Control, Skips, Solver, step_in_words};
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
@@ -464,7 +465,7 @@ impl Simulate {
 /// Of a run with another scene the first line that differs, in place of two digests.
 fn name_changed_line(error: ResultsError, asked: &str) -> ResultsError {
     let ResultsError::OtherIdentity { dir, owner, mut differences } = error else { return error };
-    let run = std::fs::read_to_string(dir.join("scene.toml")).unwrap_or_default();
+    let run = read_text(dir.join("scene.toml")).unwrap_or_default();
     if let (Some(of_scene), Some(told)) =
         (differences.iter_mut().find(|difference| difference.starts_with("scene: ")), first_difference(&run, asked))
     {

@@ -104,6 +104,11 @@ fn the_first_line_of_another_scene_that_differs_is_named() {
         "  scene: line {line} of scene.toml: the run has `spin = [0.0, 0.0, 5.0]`, asked for is `spin = [0.0, 0.0, 6.0]`\n"
     );
     assert!(code == 2 && err.contains(&told) && err.contains("\n  search: the run has"), "{told}{err}");
+    // A scene that is too large to be read is as none; a sparse file takes no space.
+    let scene = std::fs::File::create(place.path("spun/scene.toml")).expect("a file");
+    scene.set_len((1 << 30) + 1).expect("a length");
+    let (code, _, err) = place.run(&[&args[..], &["--resume"]].concat());
+    assert!(code == 2 && err.contains("scene: the run has \""), "{err}");
     // Without its scene a run has digests alone.
     std::fs::remove_file(place.path("spun/scene.toml")).expect("removed");
     let (code, _, err) = place.run(&[&args[..], &["--resume"]].concat());
