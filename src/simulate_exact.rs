@@ -10,11 +10,12 @@ use rockproof_model::Number;
 use rockproof_model::simulation::step_in_words;
 use rockproof_model::text::csv_cell;
 use rockproof_model::text::noun;
-use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer, StepFailure};
+use rockproof_oracle::step::{KeptPrecision, Mode, StepAnswer};
 use rockproof_results::{Claim, Directory, FileKind, Owner, Start};
 use rockproof_simulate::Plan;
 use rockproof_simulate::tables::{MEASURED, lines};
 use serde_json::json;
+use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -66,16 +67,23 @@ impl ExactRun {
             let number = trajectory.next_number();
             display.begin(number, &trajectory);
             // A step may take hours, and a stop must not wait for it; what was before it is written then.
-            let Some((after, made)) = stepped(trajectory.clone(), &stop, &mut display) else { continue };
+            let mut next = trajectory.clone();
+            let step = move || {
+                let made = next.step();
+                // How deep blocks then overlap may take as long as the step.
+                let made = made.map(|answer| (penetration(next.scene(), &answer.state), answer));
+                (next, made)
+            };
+            let Some((after, made)) = stoppable(step, &stop, || display.show()) else { continue };
             trajectory = after;
             match made {
                 Err(why) => {
                     (failure, ending) = (Some(format!("{}: {why}", step_in_words(number))), "stopped");
                     break;
                 }
-                Ok(answer) => {
+                Ok((deepest, answer)) => {
                     undecided += answer.levels.undecided;
-                    steps.extend(lines([row(number, &answer, &trajectory)])?);
+                    steps.extend(lines([row(number, &answer, deepest)])?);
                     for ((name, now), then) in self.names.iter().zip(trajectory.measured()).zip(&begin) {
                         let mut cells = vec![number.to_string(), text(&answer.state.time), csv_cell(name)];
                         cells.extend(now.components().into_iter().map(text));
@@ -145,30 +153,27 @@ impl ExactRun {
     }
 }
 
-/// Makes a step in a thread of its own; `None` where somebody asked to stop before it was made. The thread then ends with the program.
-fn stepped(
-    mut trajectory: Trajectory,
+/// Does work in a thread of its own, and shows now and then that it goes on; `None` where somebody asked to stop before it was done. The thread then ends with the program.
+fn stoppable<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
     stop: &AtomicBool,
-    display: &mut StepDisplay,
-) -> Option<(Trajectory, Result<StepAnswer, StepFailure>)> {
-    let (sender, made) = mpsc::channel();
+    mut show: impl FnMut(),
+) -> Option<T> {
+    // Nothing is ever sent: the channel closes where the work ends, well or by a panic.
+    let (working, ended) = mpsc::channel::<Infallible>();
     let thread = std::thread::spawn(move || {
-        let made = trajectory.step();
-        // Without a receiver the step is not wanted any more.
-        let _ = sender.send((trajectory, made));
+        let made = work();
+        drop(working);
+        made
     });
-    loop {
-        match made.recv_timeout(StepDisplay::PAUSE) {
-            Ok(made) => return Some(made),
-            Err(RecvTimeoutError::Timeout) if stop.load(Ordering::Relaxed) => return None,
-            Err(RecvTimeoutError::Timeout) => display.show(),
-            // A panic within the step is one of the program.
-            Err(RecvTimeoutError::Disconnected) => match thread.join() {
-                Err(panic) => std::panic::resume_unwind(panic),
-                Ok(()) => return None,
-            },
+    while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(StepDisplay::PAUSE) {
+        if stop.load(Ordering::Relaxed) {
+            return None;
         }
+        show();
     }
+    // A panic within the work is one of the program.
+    Some(thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
 }
 
 /// Which step is being made, and for how long: on a terminal always, otherwise now and then.
@@ -237,7 +242,7 @@ fn text(number: &Number) -> String {
     format!("{:?}", number.approximate())
 }
 
-fn row(step: i64, answer: &StepAnswer, trajectory: &Trajectory) -> Vec<String> {
+fn row(step: i64, answer: &StepAnswer, deepest: Option<f64>) -> Vec<String> {
     let retries: Vec<String> =
         answer.retries.iter().map(|attempt| format!("{:?}", attempt.reason).to_lowercase()).collect();
     let count = |mode| answer.state.contacts.iter().filter(|contact| contact.mode == mode).count().to_string();
@@ -246,7 +251,7 @@ fn row(step: i64, answer: &StepAnswer, trajectory: &Trajectory) -> Vec<String> {
     row.extend([answer.iterations.to_string(), answer.converged.to_string(), retries.join(" ")]);
     row.push(answer.contacts.len().to_string());
     row.extend([Mode::Open, Mode::Sliding, Mode::Locked].map(count));
-    row.push(penetration(trajectory.scene(), &answer.state).map_or(String::new(), |depth| format!("{depth:?}")));
+    row.push(deepest.map_or(String::new(), |depth| format!("{depth:?}")));
     row.push(answer.levels.undecided.to_string());
     row
 }
@@ -270,4 +275,29 @@ fn state(trajectory: &Trajectory) -> anyhow::Result<Vec<u8>> {
     let mut text = serde_json::to_vec(&json!({ "time": state.time.to_string(), "blocks": blocks }))?;
     text.push(b'\n');
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_ends_with_its_answer_its_panic_or_a_stop() {
+        let stop = AtomicBool::new(false);
+        assert_eq!(stoppable(|| 5, &stop, || {}), Some(5));
+        let panics =
+            std::panic::catch_unwind(|| stoppable(|| -> u8 { panic!("within") }, &AtomicBool::new(false), || {}));
+        assert_eq!(panics.err().and_then(|panic| panic.downcast_ref::<&str>().copied()), Some("within"));
+        let (_keep, endless) = mpsc::channel::<()>();
+        let mut shown = 0;
+        let waits = stoppable(
+            move || endless.recv(),
+            &stop,
+            || {
+                shown += 1;
+                stop.store(true, Ordering::Relaxed);
+            },
+        );
+        assert!(waits.is_none() && shown == 1);
+    }
 }
