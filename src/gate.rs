@@ -33,7 +33,7 @@ use rockproof_report::load::Results;
 use rockproof_report::step_verdict::step_line;
 use rockproof_report::verdict::VerdictLine;
 use rockproof_results::{Claim, Directory, Owner, Start, write_atomically};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -266,6 +266,20 @@ fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
     }
 }
 
+/// What of a campaign's identity decides what it finds, each setting as JSON; of external engines their names.
+fn settings(identity: &Map<String, Value>) -> BTreeMap<String, String> {
+    let is_about_findings = |name: &str| {
+        !["version", "chunk", "cases_per_fingerprint", "cases_per_cause", "shrink_evaluations"].contains(&name)
+    };
+    let settings = identity.iter().filter(|(name, value)| is_about_findings(name) && !value.is_null());
+    let shown = |(name, value): (&String, &Value)| {
+        let names = |engines: &Vec<Value>| engines.iter().map(|engine| engine["name"].clone()).collect::<Vec<_>>();
+        let of_engines = value.as_array().filter(|_| name == "external").map(names);
+        (name.clone(), of_engines.map_or(value.clone(), Value::Array).to_string())
+    };
+    settings.map(shown).collect()
+}
+
 /// A case file.
 struct CaseFile {
     name: String,
@@ -286,7 +300,9 @@ impl Gating<'_> {
         let dir = self.gate.out.join(name);
         let begun = Instant::now();
         let source = source::of(&config)?;
-        let mut journal = Journal::open_for(Owner::Gate, &dir, source::identity(&config)?, Start::Overwrite)?;
+        let identity = source::identity(&config)?;
+        let settings = settings(&identity);
+        let mut journal = Journal::open_for(Owner::Gate, &dir, identity, Start::Overwrite)?;
         let (panel, engines) = (self.engines.panel(), &self.engines);
         let narrow = |finding: &Finding| engines.panel_for(finding);
         let names = engines.names();
@@ -315,9 +331,9 @@ impl Gating<'_> {
         }
         if let Some(baseline) = self.config.baseline.as_ref() {
             if let Some(known) = known {
-                checks.extend(known.check(name, &tally, baseline));
+                checks.extend(known.check(name, &tally, baseline, &settings));
             } else if self.gate.update_baseline && name == FIXED {
-                let text = KnownFindings::of(&tally, baseline).to_toml();
+                let text = KnownFindings::of(&tally, baseline, settings).to_toml();
                 write_atomically(&baseline.file, text).with_context(|| baseline.file.display().to_string())?;
                 print_note(&format!("written: {}", baseline.file.display()));
             }

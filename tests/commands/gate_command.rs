@@ -225,6 +225,8 @@ fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
         ("corpus = []\n[baseline]\nfile = \"none.toml\"\n", vec!["none.toml", "--update-baseline"]),
         ("corpus = []\n[baseline]\nfile = \"x\"\ncauses = [\"luck\"]\n", vec!["baseline.causes", "tolerance"]),
         ("corpus = []\n[baseline]\nfile = \"x\"\nfields = [\"colour\"]\n", vec!["baseline.fields", "predicate"]),
+        ("", vec!["gate.toml: nothing stands in it; allowed are corpus, ", "[[limit]]"]),
+        ("# nothing\n", vec!["nothing stands in it"]),
         ("corpus = [\"nowhere\"]\n", vec!["there is no nowhere", "corpus = []"]),
         ("[[limit]]\ncount = 0\n", vec!["there is no cases/regressions", "corpus = []"]),
         ("corpus = [\"gate.toml\"]\n", vec!["gate.toml", "case"]),
@@ -234,4 +236,26 @@ fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
         assert_eq!(ran.code, 2, "{text}: {}{}", ran.out, ran.err);
         assert!(message.iter().all(|t| ran.err.contains(t)) && !ran.err.contains("panicked"), "{text}: {}", ran.err);
     }
+}
+
+#[test]
+fn a_campaign_of_other_settings_than_its_baseline_says_so() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let gate_of = |campaign: &str| {
+        format!(
+            "corpus = []\nrotating_pairs = 16\n[campaign]\nengines = [\"f64\"]\nfamilies = [\"sliver\"]\n{campaign}\n[baseline]\nfile = \"known.toml\"\n"
+        )
+    };
+    let ran = gate(dir.path(), &gate_of("pairs = 16\nseed = 1"), &["--update-baseline"], false);
+    assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+    let known = fs::read_to_string(dir.path().join("known.toml")).expect("a baseline");
+    assert!(known.contains("\n[settings]\n") && known.contains("\"seed\" = \"1\"\n"), "{known}");
+    let ran = gate(dir.path(), &gate_of("pairs = 16\nseed = 1"), &[], false);
+    assert!(!ran.out.contains("settings of the baseline"), "{}", ran.out);
+    let ran = gate(dir.path(), &gate_of("pairs = 32\nseed = 2\ntolerances = [\"auto\"]"), &[], false);
+    let rows: Vec<&str> = ran.out.lines().filter(|line| line.contains("settings of the baseline")).collect();
+    assert_eq!(rows.len(), 2, "{}", ran.out);
+    let [fixed, rotating] = [rows[0], rows[1]];
+    assert!(fixed.contains("pairs is 32, in the baseline 16; seed is 2, in the baseline 1; tolerances is [\"auto\"], in the baseline []"), "{fixed}");
+    assert!(rotating.contains("tolerances is") && !rotating.contains("seed is"), "{rotating}");
 }

@@ -6,7 +6,7 @@ use super::{CONFIDENCE, Check, CheckStatus};
 use rockproof_model::text::noun;
 use serde::Deserialize;
 use statrs::function::beta::checked_beta_reg;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The file of known findings.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -19,6 +19,9 @@ pub struct KnownFindings {
     pub examined: BTreeMap<String, u64>,
     /// The same of pairs that make steps; none in a file of a gate that made none.
     pub moved: Option<BTreeMap<String, u64>>,
+    /// The settings of the campaign that it was written from, each with its value as JSON; none in a file of an earlier version.
+    #[serde(default)]
+    pub settings: BTreeMap<String, String>,
     /// How often each sort of finding occurred then, by its fingerprint.
     #[serde(default)]
     pub known: BTreeMap<String, ClassCount>,
@@ -26,13 +29,26 @@ pub struct KnownFindings {
 
 impl KnownFindings {
     /// The fingerprints in what a campaign found.
-    pub fn of(tally: &CampaignTally, baseline: &Baseline) -> KnownFindings {
+    pub fn of(tally: &CampaignTally, baseline: &Baseline, settings: BTreeMap<String, String>) -> KnownFindings {
         KnownFindings {
             fields: baseline.fields.clone(),
             examined: tally.examined_by_family(),
             moved: Some(tally.moved_by_family()).filter(|moved| !moved.is_empty()),
+            settings,
             known: tally.by_class(baseline),
         }
+    }
+
+    /// In which settings a campaign differs from the one that the file was written from; nothing of those that the file does not have. A rotating campaign has a seed and a number of pairs of its own.
+    pub fn other_settings(&self, run: &str, settings: &BTreeMap<String, String>) -> Vec<String> {
+        let is_compared = |name: &str| run == "fixed" || !["seed", "pairs"].contains(&name);
+        let none = "none".to_owned();
+        let names: BTreeSet<&String> = self.settings.keys().chain(settings.keys()).collect();
+        let differences = names.into_iter().filter(|name| is_compared(name)).filter_map(|name| {
+            let [now, was] = [settings, &self.settings].map(|of| of.get(name).unwrap_or(&none));
+            (now != was).then(|| format!("{name} is {now}, in the baseline {was}"))
+        });
+        if self.settings.is_empty() { Vec::new() } else { differences.collect() }
     }
 
     /// The file's text, a line for each sort of finding.
@@ -52,6 +68,12 @@ impl KnownFindings {
                 file += &format!("{} = {pairs}\n", key(family));
             }
         }
+        if !self.settings.is_empty() {
+            file += "\n[settings]\n";
+            for (name, value) in &self.settings {
+                file += &format!("{} = {}\n", key(name), key(value));
+            }
+        }
         file += "\n[known]\n";
         for (fingerprint, ClassCount { findings, pairs, squares }) in &self.known {
             let counts = format!("{{ findings = {findings}, pairs = {pairs}, squares = {squares} }}");
@@ -62,9 +84,15 @@ impl KnownFindings {
 
     /// The checks of what a campaign found against what is known. In the fixed campaign each fingerprint that is new fails. In
     /// every campaign one fails whose rate is greater than the baseline's by more than chance explains. Where none does, there
-    /// is one check that passes. Findings about steps are left out, and a skipped check says so, where the file was written by a gate that made none.
-    pub fn check(&self, run: &str, tally: &CampaignTally, baseline: &Baseline) -> Vec<Check> {
-        let mut now = KnownFindings::of(tally, baseline);
+    /// is one check that passes. Findings about steps are left out, and a skipped check says so, where the file was written by a gate that made none; another one says in which `settings` the campaign differs from that of the file.
+    pub fn check(
+        &self,
+        run: &str,
+        tally: &CampaignTally,
+        baseline: &Baseline,
+        settings: &BTreeMap<String, String>,
+    ) -> Vec<Check> {
+        let mut now = KnownFindings::of(tally, baseline, BTreeMap::new());
         let sorts = now.known.len();
         if self.moved.is_none() {
             now.known.retain(|fingerprint, _| !is_of_step(fingerprint));
@@ -93,6 +121,14 @@ impl KnownFindings {
         if left_out > 0 {
             let message = format!("{left_out} sorts of finding about steps: the baseline was written without steps");
             checks.push(unfailed(format!("{run}: baseline of steps"), message, CheckStatus::Skip, baseline));
+        }
+        let others = self.other_settings(run, settings);
+        if !others.is_empty() {
+            let message = format!(
+                "{}; what is new or gone may come from that: --update-baseline writes the baseline anew",
+                others.join("; ")
+            );
+            checks.push(unfailed(format!("{run}: settings of the baseline"), message, CheckStatus::Skip, baseline));
         }
         if !has_failed {
             let gone = self.known.keys().filter(|fingerprint| !now.known.contains_key(*fingerprint)).count();
@@ -243,12 +279,27 @@ mod tests {
     }
 
     #[test]
+    fn settings_that_differ_are_told() {
+        let of = |all: &[[&str; 2]]| all.iter().map(|pair| (pair[0].to_owned(), pair[1].to_owned())).collect();
+        let known = KnownFindings { settings: of(&[["seed", "1"], ["real", "[]"]]), ..KnownFindings::default() };
+        let now = of(&[["seed", "2"], ["real", "[]"], ["grid", "{}"]]);
+        let told = ["grid is {}, in the baseline none", "seed is 2, in the baseline 1"];
+        assert_eq!(known.other_settings("fixed", &now), told);
+        assert_eq!(known.other_settings("rotating", &now), told[..1]);
+        assert_eq!(known.other_settings("fixed", &known.settings), [""; 0]);
+        // A file of an earlier version does not say.
+        assert_eq!(KnownFindings::default().other_settings("fixed", &now), [""; 0]);
+    }
+
+    #[test]
     fn the_file_reads_back() {
         let fields = vec!["engine".to_owned(), "family".to_owned()];
         let known = KnownFindings {
             fields,
             examined: [("sliver".to_owned(), 12), ("real".to_owned(), 3)].into(),
             moved: Some([("sliver".to_owned(), 2)].into()),
+            settings: [("engines".to_owned(), "[\"stepper-f64\"]".to_owned()), ("seed".to_owned(), "1".to_owned())]
+                .into(),
             known: [("a \"b\" | sliver".to_owned(), count(4, 10)), ("c | real".to_owned(), count(1, 1))].into(),
         };
         assert_eq!(toml::from_str::<KnownFindings>(&known.to_toml()).expect("TOML"), known);
