@@ -286,6 +286,7 @@ fn candidate_json(candidate: &EvaluatedCandidate) -> Value {
         "steps": m.steps_measured.steps,
         "steps_deep": m.steps_measured.deep,
         "unconverged": m.steps_measured.unconverged,
+        "steps_refused": m.steps_measured.refused,
         "stopped": m.steps_measured.stopped,
         "sunk_m": m.steps_measured.overlaps.sunk,
         "deepest_overlap_m": m.steps_measured.overlaps.deepest,

@@ -114,6 +114,66 @@ fn crossed_ridges_stand_under_auto_and_under_the_set_found() {
     assert!(printed.contains("The author's own set is the best of what was tried."), "{printed}{err}");
 }
 
+/// Cubes thrown against each other, whose steps do not converge and are yet the oracle's.
+const UNCONVERGED: &str = r#"
+[simulation]
+time_step = "1/4"
+gravity = [8, 0, -8]
+[tolerances]
+preset = "auto"
+[[joint]]
+friction = "1/2"
+normal_stiffness = 1e12
+shear_stiffness = 1e9
+[[block]]
+fixed = true
+box = { min = [-9, -9, -1], max = [9, 9, 0] }
+[[block]]
+motion = "rigid"
+box = { min = [1, 0, 1], max = [2, 1, 2] }
+velocity = [1, -1, -1]
+[[block]]
+motion = "rigid"
+box = { min = [1, 0, 2], max = [2, 1, 3] }
+velocity = [-1, 0, -1]
+[[block]]
+motion = "rigid"
+box = { min = [0, 0, 1], max = [1, 1, 2] }
+velocity = [0, 1, -1]
+"#;
+
+#[test]
+fn a_set_under_which_the_scene_stops_is_not_without_fault() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let tuned = |name: &str, scene: &str| {
+        let (file, out) = (path(dir.path(), name), path(dir.path(), &format!("{name}-out")));
+        fs::write(&file, scene).expect("write");
+        let (code, printed, err) = rockproof(&["tune", &file, "--candidates", "5", "--steps", "2", "--out", &out]);
+        assert!(code < 2, "{err}");
+        (code, printed, rows(&out))
+    };
+    let (code, printed, all) = tuned("stop.toml", UNCONVERGED);
+    let row = &all[0];
+    assert_eq!([&row["unconverged"], &row["steps_refused"], &row["lock_differ"]], ["2", "2", "0"], "{row:?}");
+    assert_eq!(code, 1, "{printed}");
+    let told =
+        "1 of these steps, settling included, does not converge: the scene stops there (`unconverged = \"stop\"`)";
+    assert!(
+        printed.contains(told)
+            && printed.contains("| unconverged, attempts given up | 2 (a run stops), 6 | 1 (a run stops), 5 |"),
+        "{printed}"
+    );
+    let others = printed.split("## The other sets that were given").nth(1).expect("a table");
+    let mut others =
+        others.lines().take_while(|line| !line.starts_with("##")).filter(|line| line.contains(" m, unconverged | "));
+    assert!(others.next().is_some(), "{printed}");
+    // Where the scene accepts them they are counted as before.
+    let (code, printed, all) =
+        tuned("accept.toml", &UNCONVERGED.replace("[simulation]", "[simulation]\nunconverged = \"accept\""));
+    assert_eq!((code, &*all[0]["unconverged"], &*all[0]["steps_refused"]), (0, "2", "0"), "{printed}");
+    assert!(!printed.contains("converge: the scene stops") && !printed.contains("m, unconverged"), "{printed}");
+}
+
 /// In f32, a hundred metres from the origin, a territory of 10 µm is not above what coordinates resolve.
 #[test]
 fn tolerances_below_roundoff_are_replaced() {

@@ -35,7 +35,7 @@ pub struct Measurement {
 pub(super) type Merit = (bool, usize, [u64; 2], [u64; 4], u64, Reverse<u64>, u64);
 
 impl Measurement {
-    /// Whether pairs of the model as given are lost; rules broken; pairs that differ as they stand, and moved; steps that could not be made; the share of contacts that differ in steps from the oracle's,
+    /// Whether pairs of the model as given are lost; rules broken; pairs that differ as they stand, and moved; steps that could not be made, one more where the scene stops at a step that does not converge; the share of contacts that differ in steps from the oracle's,
     /// in themselves or in their mode; whether blocks sink deeper than `penetration`; steps that did not converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on
     /// a boundary. What has a sample or a range counts in steps, so that what comes after it has a say: moved pairs in those of twice their root,
     /// which is what chance makes of such a count; shares, depth, and slack in sixteenths. A share and no count, since a set under which fewer
@@ -51,7 +51,7 @@ impl Measurement {
             self.violated.len(),
             [d.standing[1], (4 * (d.moved[1] + d.near[1])).isqrt()],
             [
-                failed + u64::from(self.steps_measured.stopped.is_some()),
+                failed + u64::from(self.steps_measured.stopped.is_some() || self.steps_measured.refused > 0),
                 share,
                 u64::from(self.steps_measured.deep > 0),
                 self.steps_measured.unconverged,
@@ -73,12 +73,12 @@ impl Measurement {
     }
 
     /// Whether nothing is wrong with the set: every rule kept, no pair of the model lost, no pair that differs but for those on a boundary, no step that
-    /// differs, and none after which blocks have sunk deeper than `penetration`.
+    /// differs, none after which blocks have sunk deeper than `penetration`, and none that does not converge where the scene stops at it.
     pub fn is_clean(&self) -> bool {
         let steps = self.lockstep.as_ref().is_some_and(|lockstep| lockstep.failed + lockstep.differ == 0);
         let holds = self.violated.is_empty() && self.lost_pairs == 0;
         let made = &self.steps_measured;
-        holds && self.differences.avoidable() == 0 && made.stopped.is_none() && made.deep == 0 && steps
+        holds && self.differences.avoidable() == 0 && made.stopped.is_none() && made.refused + made.deep == 0 && steps
     }
 }
 
@@ -221,10 +221,10 @@ impl Evaluator {
             .probes
             .compare(set, &*self.engine)
             .map_err(|name| TuneError::Overflow { what: format!("tolerance `{name}`"), precision: self.precision })?;
-        let part = self.part(&scene);
+        let (part, unconverged) = (self.part(&scene), scene.simulation.control.unconverged);
         let steps_measured = match self.precision {
-            Precision::F32 => measure_steps::<f32>(&part, set, &self.initial, self.steps)?,
-            Precision::F64 => measure_steps::<f64>(&part, set, &self.initial, self.steps)?,
+            Precision::F32 => measure_steps::<f32>(&part, set, &self.initial, self.steps, unconverged)?,
+            Precision::F64 => measure_steps::<f64>(&part, set, &self.initial, self.steps, unconverged)?,
         };
         let lost_pairs = self.given.lost(set);
         Ok(Measurement { violated, tightest, lost_pairs, differences, steps_measured, lockstep: None })

@@ -27,7 +27,7 @@ pub enum RecordError {
 
 /// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
 /// for candidates whose steps the oracle was not asked about.
-pub const COLUMNS: [&str; 42] = [
+pub const COLUMNS: [&str; 43] = [
     "candidate",
     "origin",
     "search",
@@ -59,6 +59,7 @@ pub const COLUMNS: [&str; 42] = [
     "sunk_m",
     "steps_deep",
     "unconverged",
+    "steps_refused",
     "retries",
     "stopped",
     "lock_steps",
@@ -176,7 +177,8 @@ fn row(number: usize, evaluated: &EvaluatedCandidate, best: bool) -> Vec<String>
     row.extend([d.changed.to_string(), s.steps.to_string()]);
     row.extend([format!("{:?}", s.overlaps.deepest), format!("{:?}", s.overlaps.sunk)]);
     row.push(s.deep.to_string());
-    row.extend([s.unconverged.to_string(), s.retries.to_string(), s.stopped.clone().unwrap_or_default()]);
+    row.extend([s.unconverged, s.refused, s.retries].map(|count| count.to_string()));
+    row.push(s.stopped.clone().unwrap_or_default());
     let lockstep = m.lockstep.as_ref();
     let counts =
         lockstep.map(|l| [l.steps, l.differ, l.found, l.contacts, l.modes, l.failed].map(|count| count.to_string()));
@@ -249,6 +251,7 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
             overlaps: Overlaps { deepest: number("penetration_m")?, sunk: number("sunk_m")? },
             deep: count("steps_deep")?,
             unconverged: count("unconverged")?,
+            refused: count("steps_refused")?,
             retries: count("retries")?,
             stopped: Some(field("stopped")?.to_owned()).filter(|text| !text.is_empty()),
         },

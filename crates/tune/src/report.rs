@@ -106,7 +106,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
 const NOTES: &str = "`differ`: pairs that engine and oracle answer differently: as given + moved at random + moved beside a boundary; in brackets those on a boundary, where \
 rounding the input decides whatever the tolerances. `slack`: the factor by which the tightest rule is met. `changed`: contacts that the \
 tolerances add, remove or change, compared with nearest features alone. `sinks`: the most by which the overlap of two blocks grows beyond that of the scene as \
-given. `lockstep`: steps that differ from the oracle's, of those compared; – where the oracle was not asked. A larger u means longer steps, and fewer of them.";
+given; `unconverged` where steps did not converge at which the scene stops. `lockstep`: steps that differ from the oracle's, of those compared; – where the oracle was not asked. A larger u means longer steps, and fewer of them.";
 
 /// The part that is stepped, and what holds it.
 fn part(cluster: &Cluster) -> String {
@@ -159,10 +159,9 @@ pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>
     row("contacts that tolerances change", &|evaluated| evaluated.measurement.differences.changed.to_string());
     row("steps made", &|evaluated| evaluated.measurement.steps_measured.steps.to_string());
     row("unconverged, attempts given up", &|evaluated| {
-        format!(
-            "{}, {}",
-            evaluated.measurement.steps_measured.unconverged, evaluated.measurement.steps_measured.retries
-        )
+        let made = &evaluated.measurement.steps_measured;
+        let stops = if made.refused > 0 { " (a run stops)" } else { "" };
+        format!("{}{stops}, {}", made.unconverged, made.retries)
     });
     row("blocks sink by at most", &|evaluated| format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.sunk));
     row("steps with blocks sunk deeper than penetration", &|evaluated| {
@@ -267,6 +266,19 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize) -> std::
         )?,
         Some(why) => writeln!(out, "The steps stopped after {}: {why}.", m.steps_measured.steps)?,
     }
+    if m.steps_measured.refused > 0 {
+        writeln!(
+            out,
+            "{} of these steps, settling included, {}: the scene stops there (`unconverged = \"stop\"`), so `simulate` does not get as far with this set. {}.",
+            m.steps_measured.refused,
+            noun(m.steps_measured.refused, "does not converge", "do not converge"),
+            match tried.iter().all(|other| other.measurement.steps_measured.refused > 0) {
+                true => "Nor with any other set tried: `simulate` says which contacts keep changing their mode",
+                false =>
+                    "With some other sets it does, but these are worse in what is compared before, or were not compared that far",
+            }
+        )?;
+    }
     if m.steps_measured.deep > 0 {
         writeln!(
             out,
@@ -348,11 +360,12 @@ fn table(out: &mut String, search: &Search<'_>, which: &[usize]) -> std::fmt::Re
         let d = &m.differences;
         let length = |value: &rockproof_model::Number| format!("{:.3e}", value.approximate());
         let angle = |sine: &rockproof_model::Number| format!("{:.2}°", sine.approximate().asin().to_degrees());
-        let steps = m
-            .steps_measured
-            .stopped
-            .as_ref()
-            .map_or(format!("{:.2e} m", m.steps_measured.overlaps.sunk), |_| "stopped".to_owned());
+        let made = &m.steps_measured;
+        let steps = match (&made.stopped, made.refused) {
+            (Some(_), _) => "stopped".to_owned(),
+            (None, 0) => format!("{:.2e} m", made.overlaps.sunk),
+            (None, _) => format!("{:.2e} m, unconverged", made.overlaps.sunk),
+        };
         writeln!(
             out,
             "| {number} {} | {} | {} | {} | {} | {} | {} | {:.1e} | {} | {} + {} + {} ({}) | {} | {:.2} | {steps} | {} | {} |",
@@ -411,6 +424,14 @@ fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::f
         Some(why) => writeln!(out, "- stops after {} steps: {why}", author.steps_measured.steps)?,
         None if ours != theirs => writeln!(out, "- lets blocks sink by {theirs} instead of {ours}")?,
         None => {}
+    }
+    let (ours, theirs) = (best.steps_measured.refused, author.steps_measured.refused);
+    if ours != theirs {
+        let steps = noun(theirs, "step", "steps");
+        writeln!(
+            out,
+            "- leaves {theirs} {steps} unconverged, at the first of which `simulate` stops, instead of {ours}"
+        )?;
     }
     let (ours, theirs) = (best.steps_measured.deep, author.steps_measured.deep);
     if ours != theirs {

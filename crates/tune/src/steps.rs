@@ -6,6 +6,7 @@ use rockproof_differential::lockstep::run::KEPT_PRECISION;
 use rockproof_differential::lockstep::scene::ExactScene;
 use rockproof_differential::lockstep::state::exact_state;
 use rockproof_differential::lockstep::{StepAnswerChange, StepDecisions, compare};
+use rockproof_model::simulation::Unconverged;
 use rockproof_model::{Block, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::penetration::penetration;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State};
@@ -22,6 +23,8 @@ pub struct StepMeasures {
     pub deep: u64,
     /// Steps accepted without converging.
     pub unconverged: u64,
+    /// Those of them at which the scene says that a run stops: all or none.
+    pub refused: u64,
     /// Attempts given up.
     pub retries: u64,
     /// Why the run stopped, if it did.
@@ -115,12 +118,13 @@ fn boxes_overlap(a: &Block, b: &Block) -> bool {
     below(&a.min, &b.max) && below(&b.min, &a.max)
 }
 
-/// Steps the part and looks after each step how deep its blocks overlap.
+/// Steps the part and looks after each step how deep its blocks overlap. `unconverged` is what the scene does where a step does not converge; here the part goes on.
 pub(super) fn measure_steps<R: Solve>(
     part: &Scene,
     set: &ToleranceSet,
     initial: &InitialOverlaps,
     steps: u64,
+    unconverged: Unconverged,
 ) -> Result<StepMeasures, TuneError> {
     let mut dynamics = Dynamics::<R>::new(part, set)?;
     let mut found = StepMeasures::default();
@@ -138,6 +142,7 @@ pub(super) fn measure_steps<R: Solve>(
             Err(error) => found.stopped = Some(error.to_string()),
         }
     }
+    found.refused = if unconverged == Unconverged::Stop { found.unconverged } else { 0 };
     Ok(found)
 }
 
