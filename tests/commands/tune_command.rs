@@ -174,6 +174,16 @@ fn a_set_under_which_the_scene_stops_is_not_without_fault() {
     assert!(!printed.contains("converge: the scene stops") && !printed.contains("m, unconverged"), "{printed}");
 }
 
+#[test]
+fn a_preset_that_has_no_row_has_a_line_that_says_why() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let (scene, out) = (path(dir.path(), "scene.toml"), path(dir.path(), "out"));
+    fs::write(&scene, SCENE.replace("preset = \"shi\"\nsearch = 0.01", "preset = \"auto\"")).expect("write");
+    let (_, printed, err) = rockproof(&["tune", &scene, "--candidates", "5", "--steps", "1", "--out", &out]);
+    assert!(printed.contains("\n- preset `auto`: the author's set\n"), "{printed}{err}");
+    assert!(!printed.contains("- preset `shi`"), "it has a row: {printed}");
+}
+
 /// In f32, a hundred metres from the origin, a territory of 10 µm is not above what coordinates resolve.
 #[test]
 fn tolerances_below_roundoff_are_replaced() {

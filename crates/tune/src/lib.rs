@@ -21,7 +21,7 @@ pub use cluster::{Cluster, ClusterSupport, hold_lowest};
 pub use evaluator::{Evaluator, Measurement, UnauditedEvaluator};
 pub use probes::{Differences, Probes};
 pub use record::{COLUMNS, RecordError, SearchRecord};
-pub use search::{CandidateOrigin, EvaluatedCandidate, PendingCandidate, Search};
+pub use search::{AbsentPreset, CandidateOrigin, EvaluatedCandidate, PendingCandidate, Search};
 pub use steps::{LockstepMeasures, Overlaps, StepMeasures};
 
 use rockproof_campaign::distribute::{DistributeError, WorkerPanic};

@@ -4,7 +4,7 @@
 
 use super::evaluator::Measurement;
 use super::search::{EvaluatedCandidate, Search, formulas};
-use super::{Cluster, Evaluator};
+use super::{AbsentPreset, Cluster, Evaluator};
 use rockproof_model::scene::write_tolerances;
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::text::noun;
@@ -85,6 +85,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
         writeln!(out, "\n## The other sets that were given\n")?;
         table(out, search, &given)?;
     }
+    absent_presets(out, search)?;
     writeln!(out, "\n## Trade-offs that remain\n")?;
     let front: Vec<usize> = search.front();
     let shown: Vec<usize> = front.iter().copied().take(MAX_TRADE_OFFS).collect();
@@ -387,6 +388,21 @@ fn table(out: &mut String, search: &Search<'_>, which: &[usize]) -> std::fmt::Re
             lockstep(m),
             d.changed,
         )?;
+    }
+    Ok(())
+}
+
+/// A line for each preset that has no row of its own.
+fn absent_presets(out: &mut String, search: &Search<'_>) -> std::fmt::Result {
+    if !search.absent().is_empty() {
+        writeln!(out)?;
+    }
+    for (preset, why) in search.absent() {
+        match why {
+            AbsentPreset::Same(0) => writeln!(out, "- preset `{}`: the author's set", preset.name())?,
+            AbsentPreset::Same(number) => writeln!(out, "- preset `{}`: the set of candidate {number}", preset.name())?,
+            AbsentPreset::Refused(why) => writeln!(out, "- preset `{}`: not tried, {why}", preset.name())?,
+        }
     }
     Ok(())
 }

@@ -81,7 +81,17 @@ pub struct Search<'w> {
     model: ModelLengths,
     seed: u64,
     first: Vec<(CandidateOrigin, ToleranceSet)>,
+    absent: Vec<(Preset, AbsentPreset)>,
     evaluated: Vec<EvaluatedCandidate>,
+}
+
+/// Why a preset is no candidate.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AbsentPreset {
+    /// It is the set of an earlier candidate.
+    Same(usize),
+    /// It cannot be had for these blocks, as this says.
+    Refused(String),
 }
 
 /// A candidate that is still to be measured.
@@ -109,21 +119,28 @@ impl<'w> Search<'w> {
             if evaluator.broken_rules(&author).is_empty() { author.clone() } else { model.repaired(&author) };
         let thumbs = [false, true]
             .map(|territory| (CandidateOrigin::RuleOfThumb, model.by_rules_of_thumb(&repaired, territory)));
-        // A preset that cannot be derived is no candidate.
-        let preset = |preset: Preset| {
-            let set = ToleranceSpec::from(preset).derive(&shapes, precision);
-            set.ok().map(|set| (CandidateOrigin::Preset(preset), set))
-        };
-        let mut first = vec![(CandidateOrigin::Author, author), (CandidateOrigin::Repaired, repaired)];
-        first.extend(thumbs);
-        first.extend(Preset::ALL.into_iter().filter_map(preset));
-        let all = std::mem::take(&mut first);
-        for (origin, set) in all {
+        let mut first: Vec<(CandidateOrigin, ToleranceSet)> = vec![(CandidateOrigin::Author, author)];
+        for (origin, set) in [(CandidateOrigin::Repaired, repaired)].into_iter().chain(thumbs) {
             if first.iter().all(|(_, known)| *known != set) {
                 first.push((origin, set));
             }
         }
-        Ok(Search { evaluator, model, seed, first, evaluated: Vec::new() })
+        let mut absent = Vec::new();
+        for preset in Preset::ALL {
+            match ToleranceSpec::from(preset).derive(&shapes, precision) {
+                Err(why) => absent.push((preset, AbsentPreset::Refused(why.to_string()))),
+                Ok(set) => match first.iter().position(|(_, known)| *known == set) {
+                    Some(same) => absent.push((preset, AbsentPreset::Same(same))),
+                    None => first.push((CandidateOrigin::Preset(preset), set)),
+                },
+            }
+        }
+        Ok(Search { evaluator, model, seed, first, absent, evaluated: Vec::new() })
+    }
+
+    /// The presets that are no candidates of their own, and why.
+    pub fn absent(&self) -> &[(Preset, AbsentPreset)] {
+        &self.absent
     }
 
     /// Candidates that are tried before any is drawn.
