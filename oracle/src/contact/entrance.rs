@@ -3,7 +3,9 @@
 
 use super::no_overlap::Passes;
 use crate::classification::{Classification, Observer};
-use crate::predicate::{AbovePlane, Edge, EdgesApart, Factor, GapWithin, LargerGap, LengthTolerance, Vertex};
+use crate::predicate::{
+    AbovePlane, Edge, EdgesApart, Factor, GapWithin, LargerGap, LengthTolerance, Polynomial, Vertex,
+};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{ContactKey, EdgeId, Entrance, FaceId, Sign};
 use smallvec::SmallVec;
@@ -142,6 +144,9 @@ impl<O: Observer> Classification<'_, '_, O> {
         if O::is_active() && self.observer.takes_smallest_gap() {
             return self.smallest_gap(candidates);
         }
+        if !O::is_active() {
+            return self.first_equal_to_largest(candidates).map(|chosen| candidates[chosen]);
+        }
         let best = self.largest_gap(candidates)?;
         let mut chosen = None;
         for (k, candidate) in candidates.iter().enumerate() {
@@ -156,12 +161,25 @@ impl<O: Observer> Classification<'_, '_, O> {
             });
             if ties {
                 chosen = Some(*candidate);
-                if !O::is_active() {
-                    break;
-                }
             }
         }
         chosen
+    }
+
+    /// Index of the first gap that equals the largest by Eq. (1), without asking which is the largest: among nearly equal gaps that takes
+    /// long numbers, and Eq. (1) mostly does not.
+    pub(crate) fn first_equal_to_largest(&mut self, candidates: &[Candidate]) -> Option<usize> {
+        if self.one_minus_equal().is_negative() {
+            let best = self.largest_gap(candidates)?;
+            return Some(self.first_equal_to(best, candidates));
+        }
+        let equals = |one: usize, other: usize| self.equals_best(&candidates[one], &candidates[other]);
+        (!candidates.is_empty()).then(|| first_equal_to_all(candidates.len(), equals))
+    }
+
+    /// Index of the first gap that equals the largest by Eq. (1), where the first of the largest is known.
+    pub(crate) fn first_equal_to(&mut self, best: usize, candidates: &[Candidate]) -> usize {
+        (0..best).find(|&k| self.equals_best(&candidates[k], &candidates[best])).unwrap_or(best)
     }
 
     /// Index of the largest gap; of exactly equal ones the first.
@@ -207,7 +225,15 @@ impl<O: Observer> Classification<'_, '_, O> {
             return Sign::Zero;
         }
         let larger = LargerGap { first: first.entrance, second: second.entrance, factor };
-        self.sign(&larger).times(first.gap)
+        let value = larger.value(&self.float_view()).0;
+        // One plane that two pairs of features span, likewise; that takes fewer digits than the sign.
+        if !O::is_active() && factor != Factor::One {
+            let known = value.abs() > self.bound_of::<LargerGap>(larger.variant());
+            if !known && self.cascade.share_plane(&first.entrance, &second.entrance) {
+                return Sign::Zero;
+            }
+        }
+        self.sign_of_value(&larger, value).times(first.gap)
     }
 
     fn one_minus_equal(&self) -> Sign {
@@ -239,6 +265,20 @@ impl<O: Observer> Classification<'_, '_, O> {
     }
 }
 
+/// The first of several gaps that is at least `g(h) = h − ε·|h|` of every one, the largest that is: where ε is from 0 to 1, g grows with h and
+/// is never above it. `equals` says it of one gap and the g of another.
+fn first_equal_to_all(count: usize, mut equals: impl FnMut(usize, usize) -> bool) -> usize {
+    // Equal to all before `next`; each before it is below g of one of these.
+    let mut first = 0;
+    for next in 1..count {
+        if !equals(first, next) {
+            // What is not below g of this one is larger than the former first, and so equal to all that that one was equal to.
+            first = (first + 1..next).find(|&k| equals(k, next)).unwrap_or(next);
+        }
+    }
+    first
+}
+
 fn about_gap(entrance: &Entrance) -> Decision {
     Decision::about(Predicate::GapSign, &entrance.features())
 }
@@ -247,4 +287,31 @@ fn about_gap(entrance: &Entrance) -> Decision {
 pub(crate) fn faces_of<O: Observer>(run: &Classification<'_, '_, O>, edge: Edge) -> [FaceId; 2] {
     let ends = *run.pair.topology(edge.0).edge(edge.1);
     [ends.left.min(ends.right), ends.left.max(ends.right)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_equal_to_all;
+
+    /// For every row of up to five gaps, many of them equal by Eq. (1), some to one another's neighbours but not to one another.
+    #[test]
+    fn the_first_that_equals_all_is_the_first_that_equals_the_largest() {
+        let (mut rows, mut between) = (0, 0);
+        for halves in [0, 1, 2] {
+            // 2·h_k ≥ 2·h − 2ε·|h|.
+            let equals = |one: i32, other: i32| 2 * one >= 2 * other - halves * other.abs();
+            for count in 1..=5u32 {
+                for number in 0..9i32.pow(count) {
+                    let gaps: Vec<i32> = (0..count).map(|k| number / 9i32.pow(k) % 9 - 4).collect();
+                    let largest = gaps.iter().copied().max().expect("a gap");
+                    let expected = gaps.iter().position(|&gap| equals(gap, largest));
+                    let found = first_equal_to_all(gaps.len(), |one, other| equals(gaps[one], gaps[other]));
+                    assert_eq!(Some(found), expected, "{gaps:?}, ε = {halves}/2");
+                    rows += 1;
+                    between += u32::from(found > 0 && gaps[found] < largest);
+                }
+            }
+        }
+        assert!(rows > 100_000 && between > 1_000, "{rows} rows, in {between} neither the first nor the largest");
+    }
 }

@@ -75,8 +75,13 @@ impl<O: Observer> Classification<'_, '_, O> {
         }
         let mut candidates: Candidates = found.iter().map(|f| f.candidate).collect();
         self.prefer_true_exits(&mut candidates);
-        let Some(best) = self.largest_gap(&candidates) else { return };
-        let reference = (0..best).find(|&k| self.equals_best(&candidates[k], &candidates[best])).unwrap_or(best);
+        // Which is the largest matters to the record alone.
+        let best = if O::is_active() { self.largest_gap(&candidates) } else { None };
+        let reference = match best {
+            Some(best) => Some(self.first_equal_to(best, &candidates)),
+            None => self.first_equal_to_largest(&candidates),
+        };
+        let Some(reference) = reference else { return };
         let way_out = candidates[reference];
         found.retain(|f| {
             if !f.candidate.gap.is_negative() {
@@ -86,7 +91,7 @@ impl<O: Observer> Classification<'_, '_, O> {
                 || Decision::about(Predicate::OneExit, &f.contact.key.features()),
                 |run| {
                     // Whether a contact stays rests on which way out was chosen, too: its record holds how near that choice was.
-                    if O::is_active() {
+                    if let Some(best) = best {
                         for other in candidates[..best].iter().chain(&candidates[best + 1..]) {
                             run.equals_best(other, &candidates[best]);
                         }

@@ -3,7 +3,7 @@
 use super::answer::{StepFailure, StepModel};
 use super::approximate::Layout;
 use super::attempt::{Attempt, Joint, force_at};
-use super::state::State;
+use super::state::{ContactsByPair, State};
 use super::strength;
 use super::transfer::{StartingContact, transfer};
 use crate::{LevelCounts, Pair, PreparedBlock, mass};
@@ -111,9 +111,10 @@ impl<'a> PreparedStep<'a> {
 /// The contacts of all neighbours; of each pair those are kept that the step before left closed.
 fn contacts(model: &StepModel<'_>, blocks: &[Block], state: &State) -> (Vec<([usize; 2], Contact)>, LevelCounts) {
     let prepared: Vec<PreparedBlock> = blocks.iter().map(PreparedBlock::new).collect();
+    let before = ContactsByPair::new(&state.contacts);
     let (mut found, mut levels) = (Vec::new(), LevelCounts::default());
     for [i, j] in neighbours(model, &prepared) {
-        let kept = state.kept_contacts([i, j]);
+        let kept = before.kept([i, j]);
         let answer = Pair::new(&prepared[i], &prepared[j]).classify_with_kept(model.tolerances, &kept);
         levels += answer.levels;
         found.extend(answer.contacts.into_iter().map(|contact| ([i, j], contact)));

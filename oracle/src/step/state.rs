@@ -35,8 +35,7 @@ pub struct State {
 impl State {
     /// The contacts of a pair that the step before left closed.
     pub fn kept_contacts(&self, pair: [usize; 2]) -> Vec<ContactKey> {
-        let kept = |memory: &&ContactMemory| memory.blocks == pair && memory.mode != Mode::Open;
-        self.contacts.iter().filter(kept).map(|memory| memory.contact.key).collect()
+        kept(self.contacts.iter().filter(|memory| memory.blocks == pair))
     }
 }
 
@@ -62,6 +61,39 @@ pub struct ContactMemory {
     pub mode: Mode,
     /// The material points of A and of B from which the shear stretch is measured (m).
     pub anchors: [Point; 2],
+}
+
+/// Those that are closed.
+fn kept<'s>(contacts: impl Iterator<Item = &'s ContactMemory>) -> Vec<ContactKey> {
+    contacts.filter(|memory| memory.mode != Mode::Open).map(|memory| memory.contact.key).collect()
+}
+
+/// Contacts of a step before, found by their blocks.
+pub(crate) struct ContactsByPair<'s> {
+    contacts: &'s [ContactMemory],
+    /// Their places, by pair.
+    order: Vec<usize>,
+}
+
+impl<'s> ContactsByPair<'s> {
+    pub(crate) fn new(contacts: &'s [ContactMemory]) -> ContactsByPair<'s> {
+        let mut order: Vec<usize> = (0..contacts.len()).collect();
+        order.sort_by_key(|&k| contacts[k].blocks);
+        ContactsByPair { contacts, order }
+    }
+
+    /// The places of the contacts of a pair, ascending.
+    pub(crate) fn of(&self, pair: [usize; 2]) -> impl Iterator<Item = usize> {
+        let blocks = |k: &usize| self.contacts[*k].blocks;
+        let first = self.order.partition_point(|k| blocks(k) < pair);
+        let own = &self.order[first..];
+        own[..own.partition_point(|k| blocks(k) == pair)].iter().copied()
+    }
+
+    /// What [`State::kept_contacts`] says of a pair.
+    pub(crate) fn kept(&self, pair: [usize; 2]) -> Vec<ContactKey> {
+        kept(self.of(pair).map(|k| &self.contacts[k]))
+    }
 }
 
 /// How coordinates are kept after a step.

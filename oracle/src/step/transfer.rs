@@ -1,6 +1,6 @@
 //! Which contacts go on from the step before (SPEC 5.4 to 5.6).
 
-use super::state::{ContactMemory, Mode};
+use super::state::{ContactMemory, ContactsByPair, Mode};
 use rockproof_model::{Contact, EntranceKind, Point};
 
 /// A contact of the step, with the mode it begins with and the anchors it keeps.
@@ -22,6 +22,7 @@ impl StartingContact {
 
 /// Gives each contact its memory. `found` is ordered by pair and as SPEC sorts contacts.
 pub(crate) fn transfer(found: &[([usize; 2], Contact)], old: &[ContactMemory]) -> Vec<StartingContact> {
+    let by_pair = ContactsByPair::new(old);
     let mut taken = vec![false; old.len()];
     let mut from: Vec<Option<usize>> = vec![None; found.len()];
     let same_features = |one: &Contact, two: &Contact| one.key == two.key;
@@ -32,8 +33,8 @@ pub(crate) fn transfer(found: &[([usize; 2], Contact)], old: &[ContactMemory]) -
             if place.is_some() {
                 continue;
             }
-            let free = |&k: &usize| !taken[k] && old[k].blocks == *blocks && same(contact, &old[k].contact);
-            *place = (0..old.len()).find(free);
+            let free = |&k: &usize| !taken[k] && same(contact, &old[k].contact);
+            *place = by_pair.of(*blocks).find(free);
             if let Some(k) = *place {
                 taken[k] = true;
             }
@@ -85,6 +86,27 @@ mod tests {
         let touching = contact(1, 1, Sign::Zero);
         assert_eq!(started(&[([0, 2], touching)], &old), [(Mode::Locked, None)]);
         assert_eq!(started(&[([0, 1], apart)], &old), [(Mode::Sliding, Some(anchors(0)))]);
+    }
+
+    #[test]
+    fn contacts_of_a_pair_are_found_wherever_they_stand() {
+        let touching = contact(1, 1, Sign::Zero);
+        let open = |blocks| ContactMemory { mode: Mode::Open, ..memory(blocks, touching, 0) };
+        let pairs = [[0, 2], [0, 1], [1, 2], [0, 1], [0, 2], [0, 1]];
+        let mut old = pairs.map(|blocks| memory(blocks, touching, 0));
+        old[3] = open([0, 1]);
+        old[4] = open([0, 2]);
+        let by_pair = ContactsByPair::new(&old);
+        for (pair, places, kept) in [
+            ([0, 1], vec![1, 3, 5], 2),
+            ([0, 2], vec![0, 4], 1),
+            ([1, 2], vec![2], 1),
+            ([0, 3], vec![], 0),
+            ([2, 3], vec![], 0),
+        ] {
+            assert_eq!(by_pair.of(pair).collect::<Vec<_>>(), places, "{pair:?}");
+            assert_eq!(by_pair.kept(pair), vec![touching.key; kept], "{pair:?}");
+        }
     }
 
     #[test]
