@@ -216,6 +216,18 @@ impl<'p, 's, O: Observer> Classification<'p, 's, O> {
         self.observer.sign(sign, &mut || margin(&cascade.margins()))
     }
 
+    /// Whether f64 leaves the sign of a polynomial open that has this value in f64.
+    #[inline(always)]
+    pub(crate) fn is_open<P: Polynomial>(&self, polynomial: &P, value: f64) -> bool {
+        value.abs() <= self.bound_of::<P>(polynomial.variant())
+    }
+
+    /// Whether f64 proves a polynomial to be positive.
+    #[inline(always)]
+    pub(crate) fn surely_positive<P: Polynomial>(&self, polynomial: &P) -> bool {
+        polynomial.value(&self.float_view()).0 > self.cascade.known_bound(polynomial)
+    }
+
     /// The pair in f64.
     #[inline(always)]
     pub(crate) fn float_view(&self) -> FloatView<'_> {

@@ -119,7 +119,7 @@ impl<'p, 's> SignCascade<'p, 's> {
 
     /// [`SignCascade::bound_of`], worked out if nobody has.
     #[inline(always)]
-    fn known_bound<P: Polynomial>(&self, polynomial: &P) -> f64 {
+    pub(crate) fn known_bound<P: Polynomial>(&self, polynomial: &P) -> f64 {
         let bound = self.bound_of::<P>(polynomial.variant());
         if bound.is_nan() { self.find_unit_bound(polynomial) } else { bound }
     }

@@ -6,10 +6,10 @@ use crate::classification::{Classification, Observer};
 use crate::number::Approx;
 use crate::predicate::{
     DipLimit, Edge, EdgeAbovePlane, EdgeDipAngle, EdgeDipDepth, Face, InwardAcross, Orientation, ParallelAngle,
-    ParallelReach, Vertex, WedgeDipAngle, WedgeDipDepth, across,
+    ParallelReach, Polynomial, Vertex, WedgeDipAngle, WedgeDipDepth, across,
 };
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
-use rockproof_model::{EdgeId, Entrance, Sign, Vec3};
+use rockproof_model::{EdgeId, Entrance, Sign, Vec3, VertexId};
 
 /// The answer of a no-overlap check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub(crate) enum Passes {
     No,
     /// Some dip, all of them within the tolerance.
     Dipping,
-    /// None dips.
+    /// None dips by more than a true exit allows.
     Clear,
 }
 
@@ -32,7 +32,10 @@ impl Passes {
     }
 }
 
-impl<O: Observer> Classification<'_, '_, O> {
+/// What dips within both leaves a plane that passes a true exit.
+const LIMITS: [DipLimit; 2] = [DipLimit::Penetration, DipLimit::TrueExit];
+
+impl<'p, O: Observer> Classification<'p, '_, O> {
     /// Whether every edge at a vertex stays above a face's plane or dips within tolerance; **a tie passes**.
     pub(crate) fn cone_passes(&mut self, vertex: Vertex, face: Face) -> Passes {
         let edges = self.pair.topology(vertex.0).vertex_edges(vertex.1);
@@ -43,6 +46,9 @@ impl<O: Observer> Classification<'_, '_, O> {
             self.decide(
                 || Decision::about(Predicate::ConePasses, &features),
                 |run| {
+                    if run.edge_passes_either_way(vertex, edge, face) {
+                        return true;
+                    }
                     let rises = run.edge_rises(vertex, edge, face);
                     dips |= !rises;
                     rises || run.edge_dip_passes((vertex.0, edge), face)
@@ -56,6 +62,18 @@ impl<O: Observer> Classification<'_, '_, O> {
     #[inline(always)]
     fn edge_rises(&mut self, vertex: Vertex, edge: EdgeId, face: Face) -> bool {
         self.sign(&EdgeAbovePlane { vertex, edge, face }).is_at_least_zero()
+    }
+
+    /// Whether f64 leaves open if an edge dips, and proves that it does so, if at all, by no more than even a true exit allows.
+    fn edge_passes_either_way(&self, vertex: Vertex, edge: EdgeId, face: Face) -> bool {
+        let rising = EdgeAbovePlane { vertex, edge, face };
+        if O::is_active() || !self.is_open(&rising, rising.value(&self.float_view()).0) {
+            return false;
+        }
+        let edge = (vertex.0, edge);
+        self.surely_positive(&EdgeDipAngle { edge, face })
+            && (self.classic
+                || LIMITS.into_iter().all(|limit| self.surely_positive(&EdgeDipDepth { edge, face, limit })))
     }
 
     /// Whether an edge that dips does so within the angle and, under revised, within g as well; **a tie says yes**.
@@ -96,6 +114,9 @@ impl<O: Observer> Classification<'_, '_, O> {
             |run| {
                 let across = across(&run.float_view(), edge_a, edge_b);
                 inwards_across(edge_a, edge_b).into_iter().all(|inward| {
+                    if run.wedge_face_passes_either_way(inward, &across) {
+                        return true;
+                    }
                     let rises = run.wedge_face_rises(&inward, &across, sigma);
                     dips |= !rises;
                     rises || run.wedge_dip_passes(inward)
@@ -115,6 +136,17 @@ impl<O: Observer> Classification<'_, '_, O> {
         outwards.is_at_least_zero()
     }
 
+    /// Whether f64 leaves open if a face dips, and proves that it does so, if at all, by no more than even a true exit allows.
+    fn wedge_face_passes_either_way(&self, inward: InwardAcross, across: &Vec3<Approx>) -> bool {
+        if O::is_active() || !self.is_open(&inward, inward.value_along(&self.float_view(), across).0) {
+            return false;
+        }
+        let surely_within = |corner, limit| self.surely_positive(&WedgeDipDepth { inward, corner, limit });
+        self.surely_positive(&WedgeDipAngle(inward))
+            && (self.classic
+                || self.far_corners(inward).all(|corner| LIMITS.into_iter().all(|limit| surely_within(corner, limit))))
+    }
+
     /// Whether a face that dips does so within the angle and, under revised, within g as well; **a tie says yes**.
     fn wedge_dip_passes(&mut self, inward: InwardAcross) -> bool {
         self.sign(&WedgeDipAngle(inward)).is_at_least_zero()
@@ -124,14 +156,16 @@ impl<O: Observer> Classification<'_, '_, O> {
     /// Whether `(n·m)²w² ≤ limit²|n|²|m|²`; **a tie says yes**. w is the greatest distance of a corner from the edge's
     /// line: the dip is within the limit when it is at every corner.
     fn wedge_dips_within(&mut self, inward: InwardAcross, limit: DipLimit) -> bool {
+        self.far_corners(inward).all(|corner| self.sign(&WedgeDipDepth { inward, corner, limit }).is_at_least_zero())
+    }
+
+    /// The corners of the face that are not ends of the edge.
+    fn far_corners(&self, inward: InwardAcross) -> impl Iterator<Item = VertexId> + use<'p, O> {
         let InwardAcross { edge_a, edge_b, side, right } = inward;
-        let edge = self.pair.topology(side).edge(if side == Side::A { edge_a } else { edge_b });
-        let face = if right { edge.right } else { edge.left };
-        let corners = self.pair.topology(side).face(face);
-        corners
-            .iter()
-            .filter(|&&corner| corner != edge.p && corner != edge.q)
-            .all(|&corner| self.sign(&WedgeDipDepth { inward, corner, limit }).is_at_least_zero())
+        let topology = self.pair.topology(side);
+        let edge = topology.edge(if side == Side::A { edge_a } else { edge_b });
+        let corners = topology.face(if right { edge.right } else { edge.left });
+        corners.iter().copied().filter(|&corner| corner != edge.p && corner != edge.q)
     }
 
     /// Whether a plane that passed is a true exit: what dips below it does so by at most r/10; **a tie says yes**. Asked under
