@@ -1,12 +1,12 @@
 //! `gate`: does this change let contact classification get worse?
 
 use crate::exit::{ExitStatus, Outcome, print_as_it_is, print_note};
-use crate::gate_diagnosis;
 use crate::input::FormatArgs;
 use crate::output_file::{allow_ours, remove_ours, step_summary};
 use crate::stop::end_on_ctrl_c;
 use crate::table::{prose, table};
 use crate::terminal::threads;
+use crate::{gate_diagnosis, gate_settings};
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
@@ -33,7 +33,7 @@ use rockproof_report::load::Results;
 use rockproof_report::step_verdict::step_line;
 use rockproof_report::verdict::VerdictLine;
 use rockproof_results::{Claim, Directory, Owner, Start, write_atomically};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -266,20 +266,6 @@ fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
     }
 }
 
-/// What of a campaign's identity decides what it finds, each setting as JSON; of external engines their names.
-fn settings(identity: &Map<String, Value>) -> BTreeMap<String, String> {
-    let is_about_findings = |name: &str| {
-        !["version", "chunk", "cases_per_fingerprint", "cases_per_cause", "shrink_evaluations"].contains(&name)
-    };
-    let settings = identity.iter().filter(|(name, value)| is_about_findings(name) && !value.is_null());
-    let shown = |(name, value): (&String, &Value)| {
-        let names = |engines: &Vec<Value>| engines.iter().map(|engine| engine["name"].clone()).collect::<Vec<_>>();
-        let of_engines = value.as_array().filter(|_| name == "external").map(names);
-        (name.clone(), of_engines.map_or(value.clone(), Value::Array).to_string())
-    };
-    settings.map(shown).collect()
-}
-
 /// A case file.
 struct CaseFile {
     name: String,
@@ -300,9 +286,8 @@ impl Gating<'_> {
         let dir = self.gate.out.join(name);
         let begun = Instant::now();
         let source = source::of(&config)?;
-        let identity = source::identity(&config)?;
-        let settings = settings(&identity);
-        let mut journal = Journal::open_for(Owner::Gate, &dir, identity, Start::Overwrite)?;
+        let settings = gate_settings::of(&config)?;
+        let mut journal = Journal::open_for(Owner::Gate, &dir, source::identity(&config)?, Start::Overwrite)?;
         let (panel, engines) = (self.engines.panel(), &self.engines);
         let narrow = |finding: &Finding| engines.panel_for(finding);
         let names = engines.names();

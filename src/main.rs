@@ -13,6 +13,7 @@ mod examine;
 mod exit;
 mod gate;
 mod gate_diagnosis;
+mod gate_settings;
 mod input;
 mod input_file;
 mod merge;
