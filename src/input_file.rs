@@ -173,7 +173,9 @@ impl ModelFile {
 
     /// Says so where a file that cannot be read begins as those of another format do.
     fn note_other_format(&self, error: &SceneError) {
-        let is_of_block = matches!(error.problem, SceneProblem::Block { .. } | SceneProblem::Tolerances(_));
+        // Letters of UTF-16 seem to be other ones.
+        let is_of_block =
+            matches!(error.problem, SceneProblem::Block { .. } | SceneProblem::Tolerances(_) | SceneProblem::Utf16);
         let looks = SceneFormat::of_contents(&self.bytes).filter(|looks| *looks != self.format);
         if let (false, true, Some(looks)) = (is_of_block, error.file == self.name, looks) {
             let (file, looks, format) = (self.name.display(), looks.name(), self.format.name());

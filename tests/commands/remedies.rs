@@ -122,6 +122,14 @@ fn a_file_with_the_name_of_another_format_is_told_what_it_looks_like() {
     assert!(err.contains("not text") && err.contains("begins as stl does: --input-format stl"), "{err}");
     let (_, err) = checked("broken.obj", &text.replace("f 1 4 3 2", "f 1 4 3 99"));
     assert!(!err.contains("--input-format"), "{err}");
+    // Letters of two bytes look like those of another format.
+    let wide: Vec<u8> = "\u{feff}<a b=\"\">".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for name in ["wide.vtu", "wide.stl", "wide.ply"] {
+        std::fs::write(place.path(name), &wide).expect("written");
+        let (code, _, err) = place.run(&["check", name]);
+        assert!(code == 2 && err.starts_with(&format!("error: {name}: this is a text in UTF-16; ")), "{err}");
+        assert!(!err.contains("--input-format"), "{err}");
+    }
 }
 
 #[test]

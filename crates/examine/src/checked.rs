@@ -2,6 +2,7 @@
 
 use crate::extents::Extents;
 use crate::unused_laws::unused_laws;
+use rockproof_model::block::LARGEST_COORDINATE;
 use rockproof_model::simulation::Body;
 use rockproof_model::tolerance_rules::{self, BEYOND_F64, Fall, Thin, Warning};
 use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Vec3, Violation};
@@ -40,9 +41,6 @@ pub struct CheckedModel {
     pub coarse: Option<String>,
 }
 
-/// The largest coordinate (m): the square of the weight of a block so large is still an f64.
-const LARGEST: f64 = 1e45;
-
 /// A value whose rounding overflows (SPEC section 1), or of which too much is calculated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CheckError {
@@ -59,7 +57,7 @@ pub enum CheckError {
     /// A block so large, or so far off, that what is calculated of it overflows.
     #[error(
         "block {number} \"{name}\": a coordinate of {coordinate:e} m; beyond {:e} m weights and energies overflow f64",
-        LARGEST
+        LARGEST_COORDINATE
     )]
     Size {
         /// The block's number.
@@ -94,7 +92,9 @@ impl CheckedModel {
             if block.block.rounded(precision).is_none() {
                 return Err(CheckError::Block { number, name: block.name.clone(), precision });
             }
-            if let Some(coordinate) = block.block.coordinates().map(Number::approximate).find(|c| c.abs() > LARGEST) {
+            if let Some(coordinate) =
+                block.block.coordinates().map(Number::approximate).find(|c| c.abs() > LARGEST_COORDINATE)
+            {
                 return Err(CheckError::Size { number, name: block.name.clone(), coordinate });
             }
         }
@@ -107,8 +107,12 @@ impl CheckedModel {
             },
         );
         let warnings = tolerance_rules::warnings(&set, &scene);
-        let notes =
-            extents.unit_warning().into_iter().chain(ignored_of_fixed(&scene)).chain(unused_laws(&scene)).collect();
+        let notes = extents
+            .unit_warning(&file)
+            .into_iter()
+            .chain(ignored_of_fixed(&scene))
+            .chain(unused_laws(&scene))
+            .collect();
         Ok(CheckedModel {
             file,
             scene,

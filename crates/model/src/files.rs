@@ -42,6 +42,17 @@ pub fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(MARK).unwrap_or(bytes)
 }
 
+/// Whether bytes begin as a text in UTF-16 does: with its mark, or with two letters of ASCII.
+pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
+    match bytes {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => true,
+        [0, a, 0, b, ..] | [a, 0, b, 0, ..] => {
+            [a, b].into_iter().all(|c| c.is_ascii_graphic() || c.is_ascii_whitespace())
+        }
+        _ => false,
+    }
+}
+
 /// The text that the bytes of a file are, without the mark that some editors begin one with.
 ///
 /// # Errors

@@ -499,8 +499,21 @@ fn broken_ply_says_where() {
         (with("element vertex 8", "element nothing 5\nelement vertex 8"), &["is 5; allowed is 0"]),
         (
             with("1 0 0 255", "1 0 x 255"),
-            &["mesh:16: found \"1 0 x 255\" where a \"vertex\" with the properties that the header announces"],
+            &["mesh:16: found \"x\" where coordinate z of vertex 1, a number as 1, -0.5 or 2e-3 should stand"],
         ),
+        (with("1 0 0 255", "1 0,0 0 255"), &["mesh:16: found \"0,0\" where coordinate y of vertex 1, a number as"]),
+        (with("1 0 0 255", "NaN 0 0 255"), &["mesh:16: coordinate x of vertex 1: NaN is not a finite number"]),
+        (with("1 0 0 255", "1 0"), &["mesh:16: found the end of the line where coordinate z of vertex 1"]),
+        (
+            with("1 0 0 255", "1 0 0 256"),
+            &["mesh:16: found \"256\" where `red` of element 1 of \"vertex\", a whole number"],
+        ),
+        (
+            with("4 0 3 2 1", "4 0 3 2"),
+            &["mesh:23: found the end of the line where a number of `vertex_indices` of face 0"],
+        ),
+        (with("4 0 3 2 1", "4 0 3,2 1 1"), &["mesh:23: found \"3,2\" where a number of `vertex_indices` of face 0"]),
+        (with("4 0 3 2 1", "four 0 3 2 1"), &["mesh:23: found \"four\" where a number of `vertex_indices` of face 0"]),
         (with("1 0 0 255", "1 0 1e999 255"), &["mesh:16:", "coordinate z of vertex 1"]),
         (with("4 0 3 2 1", "4 0 3 2 8"), &["mesh:23:", "a vertex number of face 0 is 8; allowed is 0 to 7"]),
         (with("4 0 3 2 1", "4 0 3 2 -1"), &["mesh:23:", "is -1; allowed is 0 to 7"]),

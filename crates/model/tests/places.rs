@@ -73,6 +73,35 @@ fn a_bent_face_is_named_with_its_line_and_all_its_corners() {
     }
 }
 
+/// What else is wrong then, a face that crosses itself or an open edge, was all that was said.
+#[test]
+fn a_huge_coordinate_is_named_before_what_it_makes_of_the_block() {
+    // The numbers of a VTU that is written are no text.
+    let is_text = |format: &SceneFormat| format.is_written() && *format != SceneFormat::Vtu;
+    for format in SceneFormat::ALL.into_iter().filter(is_text) {
+        let text = written(&bent(), format).replace("planarity = 0.5\n", "");
+        let corner = if format == SceneFormat::Toml { "1.25, 1.0, 1.0" } else { "1.25 1.0 1.0" };
+        // The corner by itself, and in the file of triangles one of its places.
+        let huge = |coordinate: &str| change(&text, corner, &corner.replace("1.25", coordinate));
+        let found = error(&huge("-1e300"), format);
+        assert!(
+            found.contains(" has a coordinate of -1e300 m; beyond 1e45 m weights and energies overflow f64"),
+            "{found}"
+        );
+        let line = 1 + huge("-1e300").lines().position(|line| line.contains("-1e300")).unwrap();
+        let place = format!("at (-1e300, 1, 1) in line {line})");
+        assert!(found.starts_with(&format!("file:{line}: block ")) && found.contains(&place), "{format:?}: {found}");
+        let found = error(&huge("-1e44"), format);
+        assert!(!found.contains("beyond"), "{format:?}: {found}");
+    }
+    let text = change(&written(&bent(), SceneFormat::Obj), "v 1.25 1.0 1.0", "v -1e47 1.0 1.0");
+    for (scale, is_huge) in [("1", true), ("1/1000", false), ("1/10", true)] {
+        let read = Scene::parse_bytes(text.as_bytes(), SceneFormat::Obj, Path::new("file"), &with_scale(scale));
+        let error = read.unwrap_err().to_string();
+        assert_eq!(error.contains("beyond 1e45 m"), is_huge, "{scale}: {error}");
+    }
+}
+
 #[test]
 fn an_open_edge_is_named_with_its_line_and_both_its_ends() {
     // The last triangle of the second block with another corner.

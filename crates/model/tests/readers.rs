@@ -66,6 +66,20 @@ fn a_misspelt_fixed_flag_is_refused() {
     assert!(read(&text.replace("aspectRatio", "shape")).is_ok());
 }
 
+/// Of STL a number of triangles was said, of PLY that it is none.
+#[test]
+fn a_text_in_utf_16_is_called_so_in_every_format() {
+    for (format, mark) in SceneFormat::ALL.into_iter().flat_map(|format| [(format, ""), (format, "\u{feff}")]) {
+        for order in [u16::to_le_bytes, u16::to_be_bytes] {
+            let text = format!("{mark}solid a\n").repeat(20);
+            let bytes: Vec<u8> = text.encode_utf16().flat_map(order).collect();
+            let read = Scene::parse_bytes(&bytes, format, Path::new("file"), &LoadOptions::default());
+            let error = read.unwrap_err().to_string();
+            assert!(error.starts_with("file: this is a text in UTF-16; "), "{format:?}: {error}");
+        }
+    }
+}
+
 /// As early Macintosh ends lines; the file was "without a block".
 #[test]
 fn lines_that_end_in_a_carriage_return_alone_are_lines() {

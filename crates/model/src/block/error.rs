@@ -2,6 +2,9 @@
 
 use crate::topology::TopologyError;
 
+/// The largest coordinate (m) of a block that is weighed: the square of the weight of a block so large is still an f64.
+pub const LARGEST_COORDINATE: f64 = 1e45;
+
 /// Why vertices and faces are not a canonical block. Vertices and faces are numbered as in the input, from 0; a face
 /// that coplanar neighbours were merged into goes by the lowest number among them.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -14,6 +17,17 @@ pub enum BlockError {
     Overflow {
         /// The vertex.
         vertex: usize,
+    },
+    /// A coordinate so large that it is the cause of whatever else is wrong. Readers of files say so of a block that is none; a sound block may
+    /// have such coordinates.
+    #[error(
+        "vertex {vertex} has a coordinate of {coordinate:e} m; beyond {LARGEST_COORDINATE:e} m weights and energies overflow f64"
+    )]
+    TooLarge {
+        /// The vertex.
+        vertex: usize,
+        /// The coordinate (m).
+        coordinate: f64,
     },
     /// Fractions with so many different denominators that exact arithmetic would take forever.
     #[error("the coordinates have no common denominator below 2^{limit}; fewer or shorter fractions are needed")]
@@ -208,7 +222,7 @@ impl BlockError {
     pub(crate) fn features(&self) -> (Option<usize>, Vec<usize>) {
         match self {
             BlockError::Topology(error) => features_of_topology(error),
-            BlockError::Overflow { vertex } => (None, vec![*vertex]),
+            BlockError::Overflow { vertex } | BlockError::TooLarge { vertex, .. } => (None, vec![*vertex]),
             BlockError::RepeatedVertex { second, .. } => (None, vec![*second]),
             BlockError::DegenerateFace { face, .. } | BlockError::FaceWithHole { face, .. } => {
                 (Some(*face), Vec::new())

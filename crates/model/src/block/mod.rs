@@ -15,7 +15,7 @@ mod triangles;
 #[cfg(test)]
 mod tests;
 
-pub use error::BlockError;
+pub use error::{BlockError, LARGEST_COORDINATE};
 pub use measure::Bounds;
 pub(crate) use measure::cuboid_mesh;
 pub use shapes::Shapes;

@@ -54,6 +54,9 @@ pub enum SceneProblem {
         /// The byte.
         byte: u8,
     },
+    /// A text that has two bytes or four a letter.
+    #[error("this is a text in UTF-16; texts in UTF-8 or ASCII can be read: save it as UTF-8")]
+    Utf16,
     /// Something else than what must stand here.
     #[error("found {found} where {expected} should stand")]
     Unexpected {

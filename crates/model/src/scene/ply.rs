@@ -2,7 +2,8 @@
 //! skipped. A coordinate is the number that its type in the header holds: of a `float`, also in a text, the f32.
 
 use crate::block::Point;
-use crate::number::Number;
+use crate::files::is_utf16;
+use crate::number::{Number, NumberError};
 use crate::number_text::shown;
 use crate::scene::error::SceneProblem;
 use crate::scene::mesh::{Face, blocks, weld};
@@ -11,7 +12,10 @@ use crate::scene::tokens::{Located, out_of};
 use crate::text::{EXCERPT_LENGTH, excerpt};
 use crate::vector::Vec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, Version};
+use ply_rs_bw::ply::{
+    Addable, ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyDef, PropertyType,
+    ScalarType, Version,
+};
 use std::io::ErrorKind;
 
 /// An element: a vertex, a face, or one of which nothing is kept.
@@ -82,6 +86,9 @@ impl Rows {
 
 /// The blocks of a file: one for every set of faces joined by edges.
 pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlock>, Located> {
+    if is_utf16(bytes) {
+        return Err((None, SceneProblem::Utf16));
+    }
     let mut reader = Reader::new(bytes);
     let parser = Parser::<Row>::new();
     let in_header = "a line of a PLY header (format, element, property, comment, end_header)";
@@ -104,9 +111,15 @@ pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlo
                 let expected = format!("the last of {} elements \"{name}\"", element.count);
                 return (None, SceneProblem::Truncated { expected });
             }
-            let expected = format!("a \"{name}\" with the properties that the header announces");
-            let (line, problem) = located(&error, if is_text { bytes } else { b"" }, &expected);
-            (line.filter(|_| is_text), problem)
+            let value = error.line().filter(|_| is_text).and_then(|line| {
+                let text = line_of(bytes, line)?;
+                Some((Some(line), wrong_value(element, line.checked_sub(first_line?)?, text)?))
+            });
+            value.unwrap_or_else(|| {
+                let expected = format!("a \"{name}\" with the properties that the header announces");
+                let (line, problem) = located(&error, if is_text { bytes } else { b"" }, &expected);
+                (line.filter(|_| is_text), problem)
+            })
         })?;
         match element.name.as_str() {
             "vertex" => vertices = Rows { rows, first_line },
@@ -138,9 +151,8 @@ fn check_element(element: &ElementDef, bytes: usize) -> Result<(), Located> {
         matches!(element.properties.get(*name).map(|property| &property.data_type), Some(PropertyType::Scalar(_)))
     };
     let list = |name: &&str| {
-        use ply_rs_bw::ply::ScalarType::{Double, Float};
         let kind = element.properties.get(*name).map(|property| &property.data_type);
-        matches!(kind, Some(PropertyType::List(_, entry)) if !matches!(entry, Float | Double))
+        matches!(kind, Some(PropertyType::List(_, entry)) if !matches!(entry, ScalarType::Float | ScalarType::Double))
     };
     let missing = match element.name.as_str() {
         "vertex" => AXES.iter().find(|name| !scalar(name)).map(|name| format!("a number \"{name}\"")),
@@ -218,6 +230,75 @@ fn header_line(bytes: &[u8], start: &str) -> Option<usize> {
     bytes.split(|&byte| byte == b'\n').position(begins).map(|place| place + 1)
 }
 
+/// A line of the file, from 1.
+fn line_of(bytes: &[u8], line: usize) -> Option<&[u8]> {
+    bytes.split(|&byte| byte == b'\n').nth(line.checked_sub(1)?)
+}
+
+/// The first word of an element's line, in a text, that is not the number which the header announces there.
+fn wrong_value(element: &ElementDef, number: usize, line: &[u8]) -> Option<SceneProblem> {
+    let line = std::str::from_utf8(line).ok()?;
+    let words: Vec<&str> = line.split_ascii_whitespace().collect();
+    let mut place = 0;
+    for (name, property) in &element.properties {
+        let wrong = |place: usize, kind: &ScalarType| {
+            let word = words.get(place).copied();
+            if word.is_some_and(|word| is_read(word, kind)) {
+                return None;
+            }
+            let what = value_name(element, number, name);
+            Some(match word {
+                Some(word) if word.parse().is_ok_and(|value: f64| !value.is_finite()) => {
+                    SceneProblem::Number { what, error: NumberError::NotFinite { found: shown(word) } }
+                }
+                _ => {
+                    let found = word.map_or("the end of the line".to_owned(), |word| quoted(word.as_bytes()));
+                    SceneProblem::Unexpected { found, expected: format!("{what}, {}", number_of(kind)) }
+                }
+            })
+        };
+        let (count, kind) = match &property.data_type {
+            PropertyType::Scalar(kind) => (1, kind),
+            PropertyType::List(_, kind) => {
+                if let Some(problem) = wrong(place, &ScalarType::UInt) {
+                    return Some(problem);
+                }
+                place += 1;
+                (words[place - 1].parse().ok()?, kind)
+            }
+        };
+        if let Some(problem) = (place..).take(count).find_map(|place| wrong(place, kind)) {
+            return Some(problem);
+        }
+        place += count;
+    }
+    None
+}
+
+/// Whether the library reads a word as a number of a type.
+fn is_read(word: &str, kind: &ScalarType) -> bool {
+    let mut element = ElementDef::new(String::new());
+    element.properties.add(PropertyDef::new(String::new(), PropertyType::Scalar(kind.clone())));
+    Parser::<Row>::new().read_ascii_element(word, &element).is_ok()
+}
+
+/// What a number of an element is called in an error.
+fn value_name(element: &ElementDef, number: usize, property: &str) -> String {
+    let [element_name, name] = [&element.name, property].map(|name| excerpt(name, EXCERPT_LENGTH));
+    match element.name.as_str() {
+        "vertex" if AXES.contains(&property) => format!("coordinate {name} of vertex {number}"),
+        "face" if CORNERS.contains(&property) => format!("a number of `{name}` of face {number}"),
+        _ => format!("`{name}` of element {number} of \"{element_name}\""),
+    }
+}
+
+fn number_of(kind: &ScalarType) -> &'static str {
+    match kind {
+        ScalarType::Float | ScalarType::Double => "a number as 1, -0.5 or 2e-3",
+        _ => "a whole number of the type in the header",
+    }
+}
+
 /// A line of the file, in an error.
 fn quoted(line: &[u8]) -> String {
     format!("\"{}\"", shown(String::from_utf8_lossy(line).trim()))
@@ -229,7 +310,7 @@ fn located(error: &ParseError, bytes: &[u8], expected: &str) -> Located {
         return (None, SceneProblem::Truncated { expected: expected.to_owned() });
     }
     let line = error.line();
-    let text = line.and_then(|line| bytes.split(|&byte| byte == b'\n').nth(line.checked_sub(1)?));
+    let text = line.and_then(|line| line_of(bytes, line));
     let found = text.map_or_else(|| "what is no PLY".to_owned(), quoted);
     (line, SceneProblem::Unexpected { found, expected: expected.to_owned() })
 }

@@ -1,6 +1,6 @@
 //! A block as a file has it, before it is known to be one.
 
-use crate::block::{Block, BlockError, BlockOptions, Merged, Merging, Point};
+use crate::block::{Block, BlockError, BlockOptions, LARGEST_COORDINATE, Merged, Merging, Point};
 use crate::number::Number;
 use crate::scene::error::{BlockPlace, SceneError, SceneProblem, VertexPlace};
 use crate::scene::mesh::orient_alike;
@@ -84,13 +84,24 @@ impl Assembly<'_> {
                 block,
             }),
             Err(error) => {
+                let error = self.too_large(&raw.vertices).unwrap_or_else(|| self.scaled(error));
                 let (line, vertices) = places(&error, &raw.vertices, &raw.lines);
                 let place = Box::new(BlockPlace { block: label, vertices, cavity_of: None });
-                let problem = SceneProblem::Block { error: self.scaled(error), place };
+                let problem = SceneProblem::Block { error, place };
                 let error = SceneError { file: self.file.to_path_buf(), line: line.or(raw.line), problem };
                 Err(Box::new((error, raw.vertices)))
             }
         }
+    }
+
+    /// The first coordinate beyond [`LARGEST_COORDINATE`] that f64 holds: faces that cross, bend or stay open are what it makes of a block.
+    fn too_large(&self, vertices: &[Point]) -> Option<BlockError> {
+        let scale = self.options.scaled().map_or(1.0, Number::approximate);
+        vertices.iter().enumerate().find_map(|(vertex, point)| {
+            let metres = point.components().map(|c| c.approximate() * scale);
+            let coordinate = metres.into_iter().find(|c| c.abs() > LARGEST_COORDINATE && c.is_finite())?;
+            Some(BlockError::TooLarge { vertex, coordinate })
+        })
     }
 
     /// The error with its volume in m³: blocks are built in the file's unit of length, and multiplied afterwards.

@@ -4,7 +4,7 @@
 //! the format is a list of triangles, so it is read here. Normals say nothing that the corners do not, and are skipped.
 
 use crate::block::Point;
-use crate::files::without_mark;
+use crate::files::{is_utf16, without_mark};
 use crate::number::Number;
 use crate::scene::error::SceneProblem;
 use crate::scene::mesh::{Face, blocks, weld};
@@ -44,6 +44,9 @@ fn triangle_count(bytes: &[u8]) -> Option<usize> {
 
 fn read_binary(bytes: &[u8], distance: &Number) -> Result<Vec<RawBlock>, Located> {
     let Some(count) = triangle_count(bytes) else {
+        if is_utf16(bytes) {
+            return Err((None, SceneProblem::Utf16));
+        }
         let announced = bytes.get(HEADER - 4..HEADER).and_then(|four| four.try_into().ok()).map(u32::from_le_bytes);
         let allowed = match announced {
             Some(count) => format!(

@@ -1,5 +1,6 @@
 //! The words of a text file, each with its line.
 
+use crate::files::is_utf16;
 use crate::number::{Number, NumberError};
 use crate::number_text::shown;
 use crate::scene::error::SceneProblem;
@@ -23,6 +24,9 @@ pub(super) fn as_text(bytes: &[u8]) -> Result<&str, Located> {
         let line = bytes[..offset].iter().filter(|&&b| b == b'\n').count() + 1;
         (Some(line), SceneProblem::NotText { offset, byte: bytes[offset] })
     };
+    if is_utf16(bytes) {
+        return Err((None, SceneProblem::Utf16));
+    }
     if let Some(offset) = bytes.iter().position(|&b| b == 0) {
         return Err(not_text(offset));
     }
