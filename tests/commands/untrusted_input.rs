@@ -188,6 +188,10 @@ fn no_set_is_called_like_a_formula() {
         let ran = gate(dir, &format!("corpus = []\n[campaign]\npairs = 16\ntolerances = [\"{name}\"]\n"), &[], false);
         assert!(ran.code == 2 && ran.err.contains(parts[0]), "{name}: {}", ran.err);
     }
+    // Called as a set is, it is told so, and not of spreadsheets.
+    fs::write(dir.join("auto.toml"), "preset = \"auto\"\n").expect("write");
+    let parts = ["auto.toml: \"auto\" is a tolerance set of its own", "rename the file"];
+    refused(dir, &["campaign", "--pairs", "16", "--tolerances=auto.toml", "--out", "run"], &parts);
     assert!(!dir.join("run").exists(), "nothing is written");
 }
 

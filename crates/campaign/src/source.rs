@@ -63,9 +63,19 @@ pub enum SourceError {
     },
     /// A file whose name cannot be that of a set.
     #[error(
-        "{file}: in tables its set would be called \"{}\"; allowed is what no other set is called, without ':', '@' and control characters, and not with '=', '+', '-', a tab or a carriage return at the beginning, where a spreadsheet would calculate it: rename the file", escaped(.stem)
+        "{file}: in tables its set would be called \"{}\"; allowed are names without ':', '@' and control characters, and not with '=', '+', '-', a tab or a carriage return at the beginning, where a spreadsheet would calculate it: rename the file", escaped(.stem)
     )]
     Stem {
+        /// The file.
+        file: String,
+        /// Its stem.
+        stem: String,
+    },
+    /// A file that is called as a preset or another set that every campaign knows.
+    #[error(
+        "{file}: \"{stem}\" is a tolerance set of its own, so tables could not tell the two apart; rename the file"
+    )]
+    Known {
         /// The file.
         file: String,
         /// Its stem.
@@ -195,7 +205,10 @@ pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
     let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     // A colon is for ladders, an @ for changes, and a name is of one set; tables hold names as they are.
     let is_plain = !stem.contains([':', '@']) && !stem.contains(is_harmful) && !begins_a_formula(&stem);
-    if stem.is_empty() || !is_plain || SetSource::named(&stem).is_some() {
+    if SetSource::named(&stem).is_some() {
+        return Err(SourceError::Known { file: name.to_owned(), stem });
+    }
+    if stem.is_empty() || !is_plain {
         return Err(SourceError::Stem { file: name.to_owned(), stem });
     }
     // Values missing without a preset would be missing for every pair.
