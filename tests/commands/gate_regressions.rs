@@ -186,6 +186,12 @@ fn what_is_known_may_not_become_more_frequent() {
     assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
     let known = fs::read_to_string(dir.join("known.toml")).expect("a baseline");
     assert!(known.contains("\"mine | engine | missing\" = { findings = "), "{known}");
+    // Of an engine that is mended it is said what to do with what is gone.
+    let ran = gate(dir, &text(&[&client]), &["--rotating-seed", "7"], false);
+    let advice = "gone, none new, none more often; --update-baseline takes those out, so that none comes back unseen";
+    let junit = fs::read_to_string(dir.join("junit.xml")).expect("a report");
+    assert!(ran.code == 0 && ran.out.contains(advice), "{}{}", ran.out, ran.err);
+    assert!(junit.contains(advice), "{junit}");
     for seed in ["7", "8", "9"] {
         let ran = gate(dir, &text(&[&client, "none"]), &["--rotating-seed", seed], false);
         assert!(ran.code == 0 && ran.out.contains("none more often"), "seed {seed}: {}{}", ran.out, ran.err);

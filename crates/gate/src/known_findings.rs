@@ -134,7 +134,14 @@ impl KnownFindings {
             let gone = self.known.keys().filter(|fingerprint| !now.known.contains_key(*fingerprint)).count();
             let known = self.known.len();
             let message = match run {
-                "fixed" => format!("{known} known sorts of finding, {gone} of them gone, none new, none more often"),
+                "fixed" => {
+                    let advice = if gone > 0 {
+                        "; --update-baseline takes those out, so that none comes back unseen"
+                    } else {
+                        ""
+                    };
+                    format!("{known} known sorts of finding, {gone} of them gone, none new, none more often{advice}")
+                }
                 _ => format!("{} sorts of finding, none more often than known", now.known.len()),
             };
             checks.push(unfailed(format!("{run}: baseline"), message, CheckStatus::Pass, baseline));
