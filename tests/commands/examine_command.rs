@@ -142,6 +142,25 @@ fn overlapping_blocks_are_not_safe_and_are_named() {
     assert!(document_of(&place, "found")["given"]["steps"]["skipped"].is_string());
 }
 
+/// A factor that a scene does not take was advised, in the note and in the next command.
+#[test]
+fn units_of_a_scene_in_toml_are_not_settled_by_scale() {
+    let place = Place::new();
+    place.file(
+        "large.toml",
+        "[[block]]\nbox = { min = [0, 0, 0], max = [1000, 1000, 1000] }\n\
+         [[block]]\nbox = { min = [0, 0, 1000], max = [1000, 1000, 2000] }\n",
+    );
+    let (code, out, err) = place.run(&["examine", "large.toml", "--no-tune", "--out", "found"]);
+    assert!(code == 1 && out.starts_with("not safe: the units are in doubt"), "{out}{err}");
+    let advice = "if the scene has millimetres, make it anew from what it was made of, with lengths times 1/1000";
+    assert!(out.contains(advice) && !format!("{out}{err}").contains("--scale 1/1000"), "{out}{err}");
+    assert!(out.ends_with("next: rockproof check large.toml\n"), "{out}");
+    let (code, out, err) =
+        place.run(&["examine", "large.toml", "--no-tune", "--out", "found", "--overwrite", "--scale", "1"]);
+    assert!(code == 0 && out.starts_with("safe: "), "{out}{err}");
+}
+
 #[test]
 fn units_in_doubt_are_settled_by_scale() {
     let place = Place::new();

@@ -1,7 +1,9 @@
 //! How large a model is, and whether its units look right.
 
 use num_traits::ToPrimitive;
+use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Number, Scene};
+use std::path::Path;
 
 /// Blocks are between these sizes in metres (the cube root of the volume) unless the units are others: more than half of them, and at least three, or all.
 const SIZES: [f64; 2] = [1e-3, 100.0];
@@ -109,12 +111,18 @@ impl Extents {
         })
     }
 
-    /// Why the units may be others than metres, if they look so.
-    pub fn unit_warning(&self) -> Option<String> {
+    /// Why the units may be others than metres, if they look so. `file` tells a scene in TOML, of which no `--scale` is taken.
+    pub fn unit_warning(&self, file: &Path) -> Option<String> {
         let factor = self.factor()?;
         let [least, most] = self.sizes;
         let (what, size, than) =
             if least > SIZES[1] { ("millimetres", least, "larger") } else { ("kilometres", most, "smaller") };
+        if SceneFormat::of_path(file) == Some(SceneFormat::Toml) {
+            let size = short(size);
+            return Some(format!(
+                "half of the blocks are {size} m or {than}: lengths are metres here; if the scene has {what}, make it anew from what it was made of, with lengths times {factor}"
+            ));
+        }
         Some(format!(
             "half of the blocks are {} m or {than}: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert --scale {factor} --precision f64` writes it so",
             short(size)

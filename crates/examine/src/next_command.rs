@@ -5,6 +5,7 @@ use crate::cases::KeptCase;
 use crate::naming::{Naming, quoted_path};
 use crate::verdict::{NOT_DECIDED, SET};
 use rockproof_differential::external::spec::quoted;
+use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Precision, Rule};
 use std::path::Path;
 
@@ -22,7 +23,8 @@ pub(crate) fn next_command(
     let hold = if is_held { " --hold-lowest" } else { "" };
     let out = if naming.is_usual_dir { String::new() } else { format!(" --out {}", quoted_path(dir)) };
     if units {
-        if naming.read.contains("--scale") {
+        // A scene in TOML takes no other factor than 1.
+        if naming.read.contains("--scale") || SceneFormat::of_path(&found.model.file) == Some(SceneFormat::Toml) {
             return naming.show_all();
         }
         let factor = found.model.extents.factor().unwrap_or("1");
