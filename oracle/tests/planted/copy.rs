@@ -95,17 +95,25 @@ impl Copy {
         let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().expect("a target directory");
         let tree = target.join("planted-oracle");
         let _ = std::fs::remove_dir_all(&tree);
-        for folder in ["oracle", "crates/model", "tests/golden", "cases/handmade"] {
+        for folder in ["oracle", "crates/cholesky", "crates/model", "tests/golden", "cases/handmade"] {
             copy_folder(&root.join(folder), &tree.join(folder));
         }
         std::fs::copy(root.join("Cargo.lock"), tree.join("Cargo.lock")).unwrap();
         let manifest = std::fs::read_to_string(root.join("Cargo.toml")).unwrap();
         let (workspace, _) = manifest.split_once("\n[package]").expect("the root is a package as well");
         let without = |line: &&str| !line.starts_with("default-members");
-        let own =
-            |line| if str::starts_with(line, "members = [") { r#"members = ["oracle", "crates/model"]"# } else { line };
+        let own = |line| {
+            if str::starts_with(line, "members = [") {
+                r#"members = ["oracle", "crates/cholesky", "crates/model"]"#
+            } else {
+                line
+            }
+        };
         let manifest: String = workspace.lines().filter(without).flat_map(|line| [own(line), "\n"]).collect();
-        assert!(manifest.contains(r#"members = ["oracle", "crates/model"]"#), "members are on one line");
+        assert!(
+            manifest.contains(r#"members = ["oracle", "crates/cholesky", "crates/model"]"#),
+            "members are on one line"
+        );
         std::fs::write(tree.join("Cargo.toml"), manifest + "\n[profile.release]\ndebug = false\n" + PROFILE).unwrap();
         std::fs::remove_file(tree.join("oracle/tests/planted.rs")).unwrap();
         for (file, text) in changed_sources(mistakes) {
