@@ -1,4 +1,5 @@
 //! Pins `tune`: what it says and writes, that it produces byte-identical files, what it refuses, and that the reference is not stale.
+
 // Longer than 400 lines: what one search says and writes, and what it must not call clean, scene after scene.
 
 use crate::place::rockproof;
