@@ -31,7 +31,7 @@ const PART: usize = 48;
 /// So many rows of products are worked out, and so many rows below a panel's square divided by its factor, at a time.
 const ROWS: usize = 96;
 
-/// [`factor`](crate::factor), compiled for a scalar where this is called.
+/// [`Scalar::factor`](crate::Scalar::factor), compiled for a scalar where this is called.
 pub(crate) fn factor_panels<R: Float + Send + Sync>(
     pattern: &Pattern,
     values: &mut [R],

@@ -7,9 +7,13 @@ use crate::substitution::{divide, divide_transposed, solve};
 use crate::subtrees::Threads;
 use num_traits::Float;
 
-/// f32 or f64. The functions are those of the crate with these names.
+/// f32 or f64.
 pub trait Scalar: Float + Send + Sync + private::Sealed {
-    #[doc(hidden)]
+    /// Cholesky's method, left-looking: each panel that is marked is filled, gathers what the earlier ones take from it, then is factored as
+    /// a dense one.
+    ///
+    /// # Errors
+    /// The first pivot that is not positive and finite.
     fn factor(
         pattern: &Pattern,
         values: &mut [Self],
@@ -17,11 +21,14 @@ pub trait Scalar: Float + Send + Sync + private::Sealed {
         fill: &Fill<'_, Self>,
         threads: Threads,
     ) -> Result<(), Singular>;
-    #[doc(hidden)]
+
+    /// Solves in place by the values of a factor.
     fn substitute(pattern: &Pattern, values: &[Self], solution: &mut [Self], threads: Threads);
-    #[doc(hidden)]
+
+    /// The first half of it: `L⁻¹` times the right side.
     fn forward(pattern: &Pattern, values: &[Self], solution: &mut [Self]);
-    #[doc(hidden)]
+
+    /// The second half.
     fn backward(pattern: &Pattern, values: &[Self], solution: &mut [Self]);
 }
 
@@ -61,33 +68,3 @@ macro_rules! scalar {
 
 scalar!(f32);
 scalar!(f64);
-
-/// Cholesky's method, left-looking: each panel that is marked is filled, gathers what the earlier ones take from it, then is factored as
-/// a dense one.
-///
-/// # Errors
-/// The first pivot that is not positive and finite.
-pub fn factor<R: Scalar>(
-    pattern: &Pattern,
-    values: &mut [R],
-    marked: &[bool],
-    fill: &Fill<'_, R>,
-    threads: Threads,
-) -> Result<(), Singular> {
-    R::factor(pattern, values, marked, fill, threads)
-}
-
-/// Solves in place by the values of a factor.
-pub fn substitute<R: Scalar>(pattern: &Pattern, values: &[R], solution: &mut [R], threads: Threads) {
-    R::substitute(pattern, values, solution, threads);
-}
-
-/// The first half of it: `L⁻¹` times the right side.
-pub fn forward<R: Scalar>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
-    R::forward(pattern, values, solution);
-}
-
-/// The second half.
-pub fn backward<R: Scalar>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
-    R::backward(pattern, values, solution);
-}

@@ -16,19 +16,19 @@ use std::ops::Range;
 /// Subtrees of fewer values than this are not worth another thread.
 const WORTH_A_THREAD: u64 = 100_000;
 
-/// [`substitute`](crate::substitute), compiled for a scalar where this is called.
+/// [`Scalar::substitute`](crate::Scalar::substitute), compiled for a scalar where this is called.
 pub(crate) fn solve<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R], threads: Threads) {
     let substitution = Substitution::new(pattern, values, threads.worth(WORTH_A_THREAD));
     substitution.forth(solution);
     substitution.back(solution);
 }
 
-/// [`forward`](crate::forward), likewise.
+/// [`Scalar::forward`](crate::Scalar::forward), likewise.
 pub(crate) fn divide<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
     Substitution::new(pattern, values, WORTH_A_THREAD).forth(solution);
 }
 
-/// [`backward`](crate::backward), likewise.
+/// [`Scalar::backward`](crate::Scalar::backward), likewise.
 pub(crate) fn divide_transposed<R: Float + Send + Sync>(pattern: &Pattern, values: &[R], solution: &mut [R]) {
     Substitution::new(pattern, values, WORTH_A_THREAD).back(solution);
 }

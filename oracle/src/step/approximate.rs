@@ -1,7 +1,7 @@
 //! The f64 stiffness of a step and its factor: corrects approximate solutions, proves nothing.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use rockproof_cholesky::{Graph, Pattern, Renumbered, Threads, elimination_order, factor, substitute};
+use rockproof_cholesky::{Graph, Pattern, Renumbered, Scalar, Threads, elimination_order};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -175,7 +175,7 @@ impl<'l> Stiffness<'l> {
         let mut values = vec![0.0; pattern.pattern.values()];
         let all = vec![true; pattern.pattern.panel_count()];
         let fill = |panel: usize, own: &mut [f64]| self.fill(pattern, panel, own);
-        factor(&pattern.pattern, &mut values, &all, &fill, Threads::One).ok()?;
+        Scalar::factor(&pattern.pattern, &mut values, &all, &fill, Threads::One).ok()?;
         Some(Approximate::Sparse { pattern: pattern.clone(), values })
     }
 
@@ -225,7 +225,7 @@ impl Approximate {
                 for (inside, outside) in pattern.unknowns() {
                     solution[inside].copy_from_slice(&right[outside]);
                 }
-                substitute(&pattern.pattern, values, &mut solution, Threads::One);
+                Scalar::substitute(&pattern.pattern, values, &mut solution, Threads::One);
                 for (inside, outside) in pattern.unknowns() {
                     right[outside].copy_from_slice(&solution[inside]);
                 }

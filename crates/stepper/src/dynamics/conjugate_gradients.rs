@@ -6,7 +6,7 @@
 
 use crate::dynamics::products::Products;
 use crate::dynamics::solve::Solve;
-use rockproof_cholesky::{Pattern, backward, forward};
+use rockproof_cholesky::{Pattern, Scalar};
 
 /// The iteration ends when the residual, measured by the preconditioner M (rᵀM⁻¹r, a square), has come down to this share of the right side's.
 const RESIDUAL_SHARE: f64 = 1e-28;
@@ -37,10 +37,10 @@ pub(super) struct FactorInF32<'f> {
 impl<R: Solve> Preconditioner<R> for FactorInF32<'_> {
     fn measure(&self, residual: &[R]) -> Option<Measured<'_, R>> {
         let mut single: Vec<f32> = residual.iter().map(|x| x.to_f64() as f32).collect();
-        forward(self.pattern, self.values, &mut single);
+        Scalar::forward(self.pattern, self.values, &mut single);
         let square = single.iter().fold(0.0, |sum, &x| sum + f64::from(x) * f64::from(x));
         let direction = Box::new(move || {
-            backward(self.pattern, self.values, &mut single);
+            Scalar::backward(self.pattern, self.values, &mut single);
             single.into_iter().map(|x| R::from_f64(f64::from(x))).collect()
         });
         Some(Measured { square: R::from_f64(square), direction })

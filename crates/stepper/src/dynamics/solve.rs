@@ -3,7 +3,7 @@
 use crate::dynamics::compiled::CompiledSteps;
 use crate::real::Real;
 use crate::wide::Wide;
-use rockproof_cholesky::{Fill, Pattern, Singular, Threads, factor, substitute};
+use rockproof_cholesky::{Fill, Pattern, Scalar, Singular, Threads};
 
 /// Systems of up to this many unknowns are solved as dense ones, by sums in an order of our own: the same bits on every machine.
 /// Larger ones take fused products where the processor has them (`rockproof_cholesky`), so last bits may differ between processors with and without.
@@ -57,11 +57,11 @@ macro_rules! solve_by_panels {
                 marked: &[bool],
                 fill: &Fill<'_, Self>,
             ) -> Result<(), Singular> {
-                factor(pattern, values, marked, fill, Threads::Shared)
+                Scalar::factor(pattern, values, marked, fill, Threads::Shared)
             }
 
             fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
-                substitute(pattern, values, rhs, Threads::Shared);
+                Scalar::substitute(pattern, values, rhs, Threads::Shared);
                 Ok(())
             }
         }
