@@ -83,6 +83,9 @@ pub(crate) enum Outcome {
     Hung,
 }
 
+/// The crates of the copy: the oracle and those that it stands on.
+const MEMBERS: &str = r#"members = ["oracle", "crates/cholesky", "crates/model"]"#;
+
 /// The copy, built: its test programs by name, `lib` for the unit tests.
 pub(crate) struct Copy {
     programs: BTreeMap<String, PathBuf>,
@@ -102,18 +105,9 @@ impl Copy {
         let manifest = std::fs::read_to_string(root.join("Cargo.toml")).unwrap();
         let (workspace, _) = manifest.split_once("\n[package]").expect("the root is a package as well");
         let without = |line: &&str| !line.starts_with("default-members");
-        let own = |line| {
-            if str::starts_with(line, "members = [") {
-                r#"members = ["oracle", "crates/cholesky", "crates/model"]"#
-            } else {
-                line
-            }
-        };
+        let own = |line| if str::starts_with(line, "members = [") { MEMBERS } else { line };
         let manifest: String = workspace.lines().filter(without).flat_map(|line| [own(line), "\n"]).collect();
-        assert!(
-            manifest.contains(r#"members = ["oracle", "crates/cholesky", "crates/model"]"#),
-            "members are on one line"
-        );
+        assert!(manifest.contains(MEMBERS), "members are on one line");
         std::fs::write(tree.join("Cargo.toml"), manifest + "\n[profile.release]\ndebug = false\n" + PROFILE).unwrap();
         std::fs::remove_file(tree.join("oracle/tests/planted.rs")).unwrap();
         for (file, text) in changed_sources(mistakes) {
