@@ -286,8 +286,8 @@ impl Gating<'_> {
         let dir = self.gate.out.join(name);
         let begun = Instant::now();
         let source = source::of(&config)?;
-        let settings = gate_settings::of(&config)?;
-        let mut journal = Journal::open_for(Owner::Gate, &dir, source::identity(&config)?, Start::Overwrite)?;
+        let identity = source::identity(&config)?;
+        let mut journal = Journal::open_for(Owner::Gate, &dir, identity.clone(), Start::Overwrite)?;
         let (panel, engines) = (self.engines.panel(), &self.engines);
         let narrow = |finding: &Finding| engines.panel_for(finding);
         let names = engines.names();
@@ -316,9 +316,9 @@ impl Gating<'_> {
         }
         if let Some(baseline) = self.config.baseline.as_ref() {
             if let Some(known) = known {
-                checks.extend(known.check(name, &tally, baseline, &settings));
+                checks.extend(known.check(name, &tally, baseline, &gate_settings::of(identity)));
             } else if self.gate.update_baseline && name == FIXED {
-                let text = KnownFindings::of(&tally, baseline, settings).to_toml();
+                let text = KnownFindings::of(&tally, baseline, gate_settings::of(identity)).to_toml();
                 write_atomically(&baseline.file, text).with_context(|| baseline.file.display().to_string())?;
                 print_note(&format!("written: {}", baseline.file.display()));
             }
