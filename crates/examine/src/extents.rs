@@ -117,16 +117,15 @@ impl Extents {
         let [least, most] = self.sizes;
         let (what, size, than) =
             if least > SIZES[1] { ("millimetres", least, "larger") } else { ("kilometres", most, "smaller") };
-        if SceneFormat::of_path(file) == Some(SceneFormat::Toml) {
-            let size = short(size);
-            return Some(format!(
-                "half of the blocks are {size} m or {than}: lengths are metres here; if the scene has {what}, make it anew from what it was made of, with lengths times {factor}"
-            ));
-        }
-        Some(format!(
-            "half of the blocks are {} m or {than}: lengths are metres here; if the file has {what}, `--scale {factor}` checks what it means, and `convert --scale {factor} --precision f64` writes it so",
-            short(size)
-        ))
+        let size = short(size);
+        let remedy = if SceneFormat::of_path(file) == Some(SceneFormat::Toml) {
+            format!("if the scene has {what}, make it anew from what it was made of, with lengths times {factor}")
+        } else {
+            format!(
+                "if the file has {what}, `--scale {factor}` checks what it means, and `convert --scale {factor} --precision f64` writes it so"
+            )
+        };
+        Some(format!("half of the blocks are {size} m or {than}: lengths are metres here; {remedy}"))
     }
 
     /// What lengths should be multiplied by, if the units look as if they were others than metres.
