@@ -128,13 +128,15 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     let row: Vec<&str> = table.lines().nth(1).expect("a row").split(',').collect();
     let [asked, recovered] = [1, 3].map(|at: usize| row[at].parse::<u64>().expect("a count"));
     assert!(
-        table.starts_with("engine,asked,processes_started,recovered,not_compared,first_failures\nmine,"),
+        table.starts_with(
+            "engine,asked,processes_started,recovered,not_compared,first_failures,contacts,entrances,gap_m\nmine,"
+        ),
         "{table}"
     );
     assert!(recovered > 60 && asked >= 2 * recovered, "{table}");
     // What they were: of a kind, with the program's last words where it has any, each once.
     let crash = "crashed: it ended with exit code 3";
-    assert!(table.contains(&format!(",{crash}\n")) && out.contains(&format!("  {crash}\n")), "{table}{out}");
+    assert!(table.contains(&format!(",{crash},")) && out.contains(&format!("  {crash}\n")), "{table}{out}");
     // Sums go on where a run does.
     let more: Vec<&str> = campaign.iter().map(|word| if *word == "64" { "128" } else { *word }).collect();
     let (code, _, err) = rockproof_in(dir, &[&more[..], &["--out", "part", "--deny", "recovered"]].concat());

@@ -6,7 +6,7 @@ use crate::engines::{client, cpp_client, example, skipped, there};
 use crate::place::rockproof;
 use assert_cmd::Command;
 use proptest::prelude::*;
-use rockproof_differential::engine::EngineFailure;
+use rockproof_differential::engine::{Answer, EngineFailure};
 use rockproof_differential::external::protocol;
 use rockproof_model::Topology;
 use std::fs;
@@ -207,6 +207,41 @@ fn an_engine_that_never_answers_is_told_of_at_once() {
 fn cube() -> Topology {
     let faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
     Topology::new(8, faces.map(|f| f.to_vec()).to_vec()).expect("a cube")
+}
+
+#[test]
+fn signs_and_lengths_of_a_gap_must_not_contradict_each_other() {
+    let cube = cube();
+    let of = |gap: &str| {
+        let start = "\"kind\":\"v-f\",\"feature_a\":0,\"feature_b\":1";
+        let entrance = "\"entrance\":\"v-f\",\"entrance_a\":0,\"entrance_b\":1";
+        let line = format!("{{\"id\":0,\"contacts\":[{{{start},{entrance}{gap}}}]}}");
+        match protocol::answer(line.as_bytes(), 0, [&cube, &cube]) {
+            Ok(Answer::Contacts(contacts)) => Ok(contacts[0].gap.as_i8()),
+            Err(EngineFailure::Malformed(what)) => Err(what),
+            other => panic!("{other:?}"),
+        }
+    };
+    for (gap, sign) in [
+        (",\"gap_m\":-0.01", -1),
+        (",\"gap_m\":0", 0),
+        (",\"gap_sign\":1,\"gap_m\":0.01", 1),
+        (",\"gap_sign\":0,\"gap_m\":1e-17", 0),
+        (",\"gap_sign\":-1,\"gap_m\":0.0", -1),
+    ] {
+        assert_eq!(of(gap), Ok(sign), "{gap}");
+    }
+    for (gap, told) in [
+        (",\"gap_sign\":-1,\"gap_m\":0.01", "gap_sign -1 contradicts gap_m 0.01"),
+        (",\"gap_sign\":1,\"gap_m\":-2", "gap_sign 1 contradicts gap_m -2"),
+        (",\"gap_m\":\"0.01\"", "gap_m is there, but it is a text; expected a number"),
+        (",\"gap_sign\":1,\"gap_m\":\"0.01\"", "gap_m is there, but it is a text; expected a number"),
+        (",\"gap_sign\":2", "gap_sign is 2; allowed are -1, 0, 1, or the number gap_m instead"),
+        ("", "gap_sign is absent; allowed are -1, 0, 1, or the number gap_m instead"),
+    ] {
+        let what = of(gap).expect_err(gap);
+        assert!(what.contains(told), "{gap}: {what}");
+    }
 }
 
 proptest! {

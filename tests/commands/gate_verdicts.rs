@@ -237,6 +237,7 @@ fn a_limit_on_what_an_engine_does_not_say_is_none_on_its_answers() {
         (&apart, "", true),
         (&contacts, "change = \"state\"", false),
         (&contacts, "change = \"missing\"", true),
+        (&contacts, "change = \"entrance\"", false),
     ] {
         let limit = format!("[[limit]]\nengine = \"mine\"\n{limit}\ncount = 9999\n");
         let ran = gate(dir.path(), &around_engine(engine, &limit), &[], false);

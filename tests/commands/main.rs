@@ -36,6 +36,7 @@ mod gate_leftovers;
 mod gate_limits;
 #[cfg(unix)]
 mod gate_regressions;
+mod gate_unsaid;
 mod gate_verdicts;
 mod json_output;
 mod kept_results;

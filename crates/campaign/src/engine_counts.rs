@@ -1,6 +1,7 @@
 //! What external engines were put through, over all sessions of a run and all parts of a campaign.
 
 use rockproof_differential::attribution::EnginePanel;
+use rockproof_differential::contact_detail::ContactDetail;
 use rockproof_differential::engine::EngineCounts;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -25,12 +26,29 @@ pub struct EngineRow {
     /// What the first failures were that a fresh process did not repeat, with ` | ` between them; empty in tables of earlier versions too.
     #[serde(default)]
     pub first_failures: String,
+    /// Contacts in its answers; 0 in tables of earlier versions too.
+    #[serde(default)]
+    pub contacts: u64,
+    /// Those of them with an entrance and the sign of the gap.
+    #[serde(default)]
+    pub entrances: u64,
+    /// Those of them with `gap_m`.
+    #[serde(default)]
+    pub gap_m: u64,
+}
+
+impl EngineRow {
+    /// How much the engine said of its contacts.
+    pub fn detail(&self) -> ContactDetail {
+        let EngineRow { contacts, entrances, gap_m, .. } = *self;
+        ContactDetail { contacts, entrances, gap_m }
+    }
 }
 
 /// What stands between two failures in a row.
 const BETWEEN_FAILURES: &str = " | ";
 
-/// The columns that every `engines.csv` has; `first_failures` came after these.
+/// The columns that every `engines.csv` has; `first_failures` and all behind it came after these.
 pub const ENGINE_COLUMNS: [&str; 5] = ["engine", "asked", "processes_started", "recovered", "not_compared"];
 
 /// The counts of earlier sessions or of parts, and those that the engines of a panel had when this session began.
@@ -95,7 +113,8 @@ fn counts(panel: &EnginePanel) -> BTreeMap<String, EngineCounts> {
 pub(super) fn to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (name, counts) in engines {
-        let EngineCounts { asked, processes_started, recovered, not_compared, first_failures, .. } = counts;
+        let EngineCounts { asked, processes_started, recovered, not_compared, first_failures, detail, .. } = counts;
+        let ContactDetail { contacts, entrances, gap_m } = *detail;
         writer.serialize(EngineRow {
             engine: name.clone(),
             asked: *asked,
@@ -103,6 +122,9 @@ pub(super) fn to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>
             recovered: *recovered,
             not_compared: *not_compared,
             first_failures: first_failures.join(BETWEEN_FAILURES),
+            contacts,
+            entrances,
+            gap_m,
         })?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())

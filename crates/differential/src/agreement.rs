@@ -2,6 +2,7 @@
 //! `agreement.csv` and `confusion.csv`. Findings say what differs; these say of how many.
 
 use super::agreement_record::{AgreementRecord, RecordedRow};
+use super::contact_detail::ContactDetail;
 use super::row::{named, written};
 use rockproof_model::text::noun;
 use serde::de::Error;
@@ -84,6 +85,8 @@ pub struct EngineAnswers {
     pub asked: u64,
     /// Pairs whose contacts it named; of the others that it answered it said only how the blocks lie.
     pub with_contacts: u64,
+    /// How much it said of the contacts in all its answers, those to changed pairs among them.
+    pub detail: ContactDetail,
 }
 
 impl EngineAnswers {
@@ -92,6 +95,7 @@ impl EngineAnswers {
         self.answered += other.answered;
         self.asked += other.asked;
         self.with_contacts += other.with_contacts;
+        self.detail = self.detail.plus(other.detail);
     }
 
     /// Adds what a row of `agreement.csv` says of the engine: its pairs, and those without an answer.
@@ -115,7 +119,8 @@ impl EngineAnswers {
 
     /// How many it answered, in words.
     pub fn words(self) -> String {
-        format!("answered {} of {} {}", self.answered, self.asked, noun(self.asked, "pair", "pairs"))
+        let detail = self.detail.incomplete_note().map_or(String::new(), |note| format!(", {note}"));
+        format!("answered {} of {} {}{detail}", self.answered, self.asked, noun(self.asked, "pair", "pairs"))
     }
 }
 

@@ -4,6 +4,7 @@
 //! rest of the campaign sees these traits only, so that a mistaken stepper or an external program plugs in without a change elsewhere.
 
 use super::compare::AnswerChange;
+use super::contact_detail::ContactDetail;
 use super::finding::Cause;
 use super::indexed_trace::IndexedTrace;
 use super::separation_state::ReportedState;
@@ -90,6 +91,9 @@ pub struct EngineCounts {
     /// not known.
     #[serde(default)]
     pub programs: Vec<String>,
+    /// What it said of the contacts that it named. Runs of earlier versions say nothing of it.
+    #[serde(default)]
+    pub detail: ContactDetail,
 }
 
 impl EngineCounts {
@@ -110,6 +114,7 @@ impl EngineCounts {
             first_failures: self.first_failures.iter().skip(before.first_failures.len()).cloned().collect(),
             first_repeated: self.first_repeated.iter().skip(before.first_repeated.len()).cloned().collect(),
             programs: self.programs.clone(),
+            detail: self.detail.since(before.detail),
         }
     }
 
@@ -130,6 +135,7 @@ impl EngineCounts {
             not_compared: self.not_compared.saturating_add(other.not_compared),
             first_failures: both(self.first_failures.clone(), &other.first_failures),
             first_repeated: both(self.first_repeated.clone(), &other.first_repeated),
+            detail: self.detail.plus(other.detail),
         }
     }
 

@@ -9,6 +9,7 @@ pub mod case_file;
 pub mod collapse;
 pub mod collision;
 pub mod compare;
+pub mod contact_detail;
 pub mod diagnosis;
 pub mod engine;
 pub mod explain;

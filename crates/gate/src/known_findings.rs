@@ -3,6 +3,8 @@
 use super::config::Baseline;
 use super::tally::{CampaignTally, ClassCount};
 use super::{CONFIDENCE, Check, CheckStatus};
+use rockproof_differential::contact_detail::ContactDetail;
+use rockproof_differential::finding::Cause;
 use rockproof_model::text::noun;
 use serde::Deserialize;
 use statrs::function::beta::checked_beta_reg;
@@ -25,6 +27,9 @@ pub struct KnownFindings {
     /// How often each sort of finding occurred then, by its fingerprint.
     #[serde(default)]
     pub known: BTreeMap<String, ClassCount>,
+    /// How much each external engine said of its contacts then; none in files of earlier versions and of gates without such engines.
+    #[serde(default)]
+    pub said: BTreeMap<String, ContactDetail>,
 }
 
 impl KnownFindings {
@@ -36,6 +41,7 @@ impl KnownFindings {
             moved: Some(tally.moved_by_family()).filter(|moved| !moved.is_empty()),
             settings,
             known: tally.by_class(baseline),
+            said: tally.engines.iter().map(|row| (row.engine.clone(), row.detail())).collect(),
         }
     }
 
@@ -72,6 +78,13 @@ impl KnownFindings {
             file += "\n[settings]\n";
             for (name, value) in &self.settings {
                 file += &format!("{} = {}\n", key(name), key(value));
+            }
+        }
+        if !self.said.is_empty() {
+            file += "\n[said]\n";
+            for (engine, ContactDetail { contacts, entrances, gap_m }) in &self.said {
+                let counts = format!("{{ contacts = {contacts}, entrances = {entrances}, gap_m = {gap_m} }}");
+                file += &format!("{} = {counts}\n", key(engine));
             }
         }
         file += "\n[known]\n";
@@ -117,10 +130,11 @@ impl KnownFindings {
                 checks.push(failed(name, growth.describe(), tally, baseline, fingerprint));
             }
         }
+        checks.extend(self.unsaid(&now, run, baseline));
         let has_failed = !checks.is_empty();
         if left_out > 0 {
             let message = format!("{left_out} sorts of finding about steps: the baseline was written without steps");
-            checks.push(unfailed(format!("{run}: baseline of steps"), message, CheckStatus::Skip, baseline));
+            checks.push(rowless(format!("{run}: baseline of steps"), message, CheckStatus::Skip, baseline));
         }
         let others = self.other_settings(run, settings);
         if !others.is_empty() {
@@ -128,7 +142,7 @@ impl KnownFindings {
                 "{}; what is new or gone may come from that: --update-baseline writes the baseline anew",
                 others.join("; ")
             );
-            checks.push(unfailed(format!("{run}: settings of the baseline"), message, CheckStatus::Skip, baseline));
+            checks.push(rowless(format!("{run}: settings of the baseline"), message, CheckStatus::Skip, baseline));
         }
         if !has_failed {
             let gone = self.known.keys().filter(|fingerprint| !now.known.contains_key(*fingerprint)).count();
@@ -144,9 +158,24 @@ impl KnownFindings {
                 }
                 _ => format!("{} sorts of finding, none more often than known", now.known.len()),
             };
-            checks.push(unfailed(format!("{run}: baseline"), message, CheckStatus::Pass, baseline));
+            checks.push(rowless(format!("{run}: baseline"), message, CheckStatus::Pass, baseline));
         }
         checks
+    }
+
+    /// A failed check for each external engine that says less of its contacts than it did: what it does not say is not compared, so findings are
+    /// missing that nobody mended. In the fixed campaign, whose pairs are the same, a smaller share is less; in others all or none tells.
+    fn unsaid(&self, now: &KnownFindings, run: &str, baseline: &Baseline) -> Vec<Check> {
+        if !baseline.causes.iter().any(|cause| cause == Cause::Engine.name()) {
+            return Vec::new();
+        }
+        let both = self.said.iter().filter_map(|(engine, was)| Some((engine, *was, *now.said.get(engine)?)));
+        let less = both.filter(|(_, was, now)| now.says_less_than(*was, run == "fixed"));
+        let check = |(engine, was, now): (&String, ContactDetail, ContactDetail)| {
+            let message = format!("{}, in the baseline for {}", now.note(), was.share_note());
+            rowless(format!("{run}: engine {engine} says less of its contacts"), message, CheckStatus::Fail, baseline)
+        };
+        less.map(check).collect()
     }
 
     /// The pairs a fingerprint could have occurred in, of a step those that make some: those of its family where it names one, else all.
@@ -172,8 +201,8 @@ fn is_of_step(fingerprint: &str) -> bool {
     fingerprint.split(SEPARATOR).next() == Some(STEP)
 }
 
-/// A check that does not fail.
-fn unfailed(name: String, message: String, status: CheckStatus, baseline: &Baseline) -> Check {
+/// A check that is about no rows.
+fn rowless(name: String, message: String, status: CheckStatus, baseline: &Baseline) -> Check {
     let place = (baseline.file.display().to_string(), 1);
     Check { group: "baseline", name, message, status, place, rows: Vec::new(), seconds: 0.0, replay: None }
 }
@@ -308,6 +337,7 @@ mod tests {
             settings: [("engines".to_owned(), "[\"stepper-f64\"]".to_owned()), ("seed".to_owned(), "1".to_owned())]
                 .into(),
             known: [("a \"b\" | sliver".to_owned(), count(4, 10)), ("c | real".to_owned(), count(1, 1))].into(),
+            said: [("mine".to_owned(), ContactDetail { contacts: 9, entrances: 7, gap_m: 0 })].into(),
         };
         assert_eq!(toml::from_str::<KnownFindings>(&known.to_toml()).expect("TOML"), known);
         assert_eq!((known.examined_of("c | real"), known.examined_of("c | sliver")), (3, 12));

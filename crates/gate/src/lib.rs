@@ -98,7 +98,10 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
             (found.exceeds(rate, confidence), message)
         };
         let rows = (0..tally.rows.len()).filter(|&at| failed && tally.rows[at].is_of(limit)).collect();
-        let unreached = || limit_scope::unbreakable(limit, config).or_else(|| tally.missing(limit));
+        let unreached = || {
+            let unbreakable = limit_scope::unbreakable(limit, config).or_else(|| tally.missing(limit));
+            unbreakable.or_else(|| limit_scope::unsaid(limit, config, tally))
+        };
         let (status, message) = match unreached() {
             _ if failed => (CheckStatus::Fail, message),
             Some(why) => (CheckStatus::Skip, why),

@@ -2,6 +2,7 @@
 
 use super::config::{FindingLimit, GateConfig, line_of};
 use super::possible_findings;
+use super::tally::CampaignTally;
 use rockproof_campaign::source::FamilySource;
 use rockproof_campaign::steps::{self, PASSAGE, StepChange};
 use rockproof_differential::agreement::EngineAnswers;
@@ -131,16 +132,46 @@ pub(crate) fn unbreakable(limit: &FindingLimit, config: &GateConfig) -> Option<S
     }
 }
 
+/// Why a limit on entrances or signs of gaps was not looked at: it is about external engines alone, and none of them gave any.
+pub(crate) fn unsaid(limit: &FindingLimit, config: &GateConfig, tally: &CampaignTally) -> Option<String> {
+    let change = limit.change.as_deref().and_then(AnswerChange::from_name);
+    change.filter(|change| change.is_of_entrances())?;
+    let externals = config.campaign.external.iter().map(|spec| spec.name.as_str());
+    let of_externals = limit.cause.as_deref() == Some(Cause::Engine.name());
+    let concerned: Vec<&str> = match limit.engine.as_deref() {
+        Some(engine) => externals.filter(|name| *name == engine).collect(),
+        None if of_externals => externals.collect(),
+        None => Vec::new(),
+    };
+    let given = |name: &&str| tally.answers(name).detail.entrances > 0;
+    if concerned.is_empty() || concerned.iter().any(given) {
+        return None;
+    }
+    let contacts: u64 = concerned.iter().map(|name| tally.answers(name).detail.contacts).sum();
+    let names = concerned.join(" and ");
+    Some(match contacts {
+        0 => format!("{names} named no contact, so no entrance and no sign of a gap"),
+        1 => format!(
+            "{names} gave neither entrance nor sign of the gap for its contact: what is not given is not compared"
+        ),
+        _ => format!(
+            "{names} gave neither entrance nor sign of the gap for any of {contacts} contacts: what is not given is not compared"
+        ),
+    })
+}
+
 /// Whether a limit can be broken by what an external engine answers, of which `answers` are known. One on crashes, say, cannot: whatever the engine answers,
 /// it answers. Nor can one on missing contacts where the engine names none.
 pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec, answers: &EngineAnswers) -> bool {
     let change = limit.change.as_deref().and_then(AnswerChange::from_name);
     let of_contacts = limit.kind.is_some() || change.is_some_and(AnswerChange::is_of_contacts);
+    let of_entrances = change.is_some_and(AnswerChange::is_of_entrances);
     let of_states = change.is_some_and(AnswerChange::is_of_states);
     limit.engine.as_ref().is_none_or(|name| *name == engine.name)
         && limit.cause.as_ref().is_none_or(|cause| cause == Cause::Engine.name())
         && change.is_none_or(AnswerChange::is_of_answers)
         && (!of_contacts || answers.with_contacts > 0)
+        && (!of_entrances || answers.detail.entrances > 0)
         && (!of_states || answers.with_contacts < answers.answered)
         && !limit.is_of_recovered()
         && !limit.is_of_steps()

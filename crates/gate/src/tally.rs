@@ -112,9 +112,12 @@ impl CampaignTally {
         let unclassified = moved.iter().filter(|((family, _), _)| !classified.contains(family));
         examined.extend(unclassified.map(|(group, pairs)| (group.clone(), *pairs)));
         let file = dir.join(ENGINES);
-        let engines = if file.is_file() { table(&file, &ENGINE_COLUMNS)? } else { Vec::new() };
+        let engines: Vec<EngineRow> = if file.is_file() { table(&file, &ENGINE_COLUMNS)? } else { Vec::new() };
         let file = dir.join("agreement.csv");
-        let answers = if file.is_file() { answers(&file)? } else { BTreeMap::new() };
+        let mut answers = if file.is_file() { answers(&file)? } else { BTreeMap::new() };
+        for row in &engines {
+            answers.entry(row.engine.clone()).or_default().detail = row.detail();
+        }
         Ok(CampaignTally { rows, examined, moved, watched, engines, answers })
     }
 

@@ -20,6 +20,7 @@ pub use group::end_all;
 pub use process::end_all;
 pub use spec::{EngineSpec, EngineSpecError};
 
+use super::contact_detail::ContactDetail;
 use super::engine::{Answer, Engine, EngineCounts, EngineFailure, Prepared, Shortage, Trace, WideAnswer};
 use super::finding::Cause;
 use process::{NoAnswer, Process};
@@ -43,6 +44,7 @@ struct EngineCounters {
     failures: Mutex<Vec<String>>,
     /// [`EngineCounts::first_repeated`].
     repeated: Mutex<Vec<String>>,
+    detail: Mutex<ContactDetail>,
 }
 
 /// The texts in a list that many threads add to.
@@ -170,7 +172,8 @@ impl External {
         match process.ask(line, patience) {
             Ok(line) => {
                 let features = [question.pair.a.topology(), question.pair.b.topology()];
-                let mut answer = protocol::answer(&line, id, features);
+                let (mut answer, detail) = protocol::detailed_answer(&line, id, features);
+                self.count_detail(detail);
                 if let Err(EngineFailure::Malformed(what)) = &mut answer {
                     // A line that is no answer may be one that nobody asked for, with the answer behind it. Of a fresh process it would come again.
                     let unasked = id > 0 && (protocol::is_of_earlier(&line, id) || process.has_unread_output());
@@ -188,6 +191,11 @@ impl External {
                 self.silent(silence, id)
             }
         }
+    }
+
+    fn count_detail(&self, detail: ContactDetail) {
+        let mut sum = self.0.counts.detail.lock().unwrap_or_else(PoisonError::into_inner);
+        *sum = sum.plus(detail);
     }
 
     /// What no answer comes to, of a process that was asked so many questions before.
@@ -283,6 +291,7 @@ impl Engine for External {
             processes_started: count(started),
             recovered: count(recovered),
             not_compared: count(uncompared),
+            detail: *self.0.counts.detail.lock().unwrap_or_else(PoisonError::into_inner),
             first_failures: texts(&self.0.counts.failures).clone(),
             first_repeated: texts(&self.0.counts.repeated).clone(),
             programs: self

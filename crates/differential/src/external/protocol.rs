@@ -1,5 +1,6 @@
 //! The line protocol: one JSON object a line, question and answer (docs/engines.md).
 
+use crate::contact_detail::ContactDetail;
 use crate::engine::{Answer, EngineFailure};
 use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
@@ -39,12 +40,29 @@ pub fn question(id: u64, blocks: &str, tolerances: &ToleranceSet) -> String {
 /// # Errors
 /// [`EngineFailure::Unsupported`] as the engine says, [`EngineFailure::Malformed`] with what is wrong with the line.
 pub fn answer(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, EngineFailure> {
-    read(line, id, features).map_err(|fault| match fault {
-        ProtocolError::Unsupported(why) => EngineFailure::Unsupported(excerpt(&why, EXCERPT_LENGTH)),
-        ProtocolError::Malformed(what) => {
-            EngineFailure::Malformed(format!("{}; the line was {}", excerpt(&what, EXCERPT_LENGTH), quoted(line)))
+    detailed_answer(line, id, features).0
+}
+
+/// The same, with how much it says of its contacts: nothing where it is no answer.
+pub(super) fn detailed_answer(
+    line: &[u8],
+    id: u64,
+    features: [&Topology; 2],
+) -> (Result<Answer, EngineFailure>, ContactDetail) {
+    match read(line, id, features) {
+        Ok((answer, detail)) => (Ok(answer), detail),
+        Err(fault) => {
+            let failure = match fault {
+                ProtocolError::Unsupported(why) => EngineFailure::Unsupported(excerpt(&why, EXCERPT_LENGTH)),
+                ProtocolError::Malformed(what) => EngineFailure::Malformed(format!(
+                    "{}; the line was {}",
+                    excerpt(&what, EXCERPT_LENGTH),
+                    quoted(line)
+                )),
+            };
+            (Err(failure), ContactDetail::default())
         }
-    })
+    }
 }
 
 /// Whether a line answers a question that was asked before the question `id`.
@@ -99,7 +117,7 @@ fn is_no_number(word: &[u8]) -> bool {
     ["nan", "inf", "infinity"].iter().any(|name| word.eq_ignore_ascii_case(name.as_bytes()))
 }
 
-fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, ProtocolError> {
+fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<(Answer, ContactDetail), ProtocolError> {
     let value: Value = serde_json::from_slice(line).map_err(|error| not_json(line, &error))?;
     let Value::Object(object) = value else {
         return Err(format!("expected an object, found {}", kind_of(&value)).into());
@@ -111,8 +129,11 @@ fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, Protoc
     }
     let (contacts, state, unsupported) = (object.get("contacts"), object.get("state"), object.get("unsupported"));
     match (contacts, state, unsupported) {
-        (Some(contacts), None, None) => Ok(Answer::Contacts(read_contacts(contacts, features)?)),
-        (None, Some(state), None) => Ok(Answer::State(read_state(state, &object)?)),
+        (Some(contacts), None, None) => {
+            let (contacts, detail) = read_contacts(contacts, features)?;
+            Ok((Answer::Contacts(contacts), detail))
+        }
+        (None, Some(state), None) => Ok((Answer::State(read_state(state, &object)?), ContactDetail::default())),
         (None, None, Some(Value::String(why))) => Err(ProtocolError::Unsupported(why.clone())),
         (None, None, Some(other)) => Err(format!("unsupported is {}; expected a text", kind_of(other)).into()),
         _ => {
@@ -157,7 +178,7 @@ fn read_state(state: &Value, object: &Map<String, Value>) -> Result<ReportedStat
     Ok(ReportedState { state, gap_m, normal: normal.transpose()? })
 }
 
-fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<Vec<Contact>, String> {
+fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<(Vec<Contact>, ContactDetail), String> {
     let list = contacts.as_array().ok_or_else(|| format!("contacts is {}; expected a list", kind_of(contacts)))?;
     let mut read = Vec::with_capacity(list.len());
     for (number, contact) in list.iter().enumerate() {
@@ -168,7 +189,13 @@ fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<Vec<Conta
         let (kind, [a, b]) = (twice[0].kind(), twice[0].key.numbers());
         return Err(format!("contact {kind} ({a}, {b}) is there twice"));
     }
-    Ok(read)
+    let count = |is: &dyn Fn(usize) -> bool| (0..list.len()).filter(|&at| is(at)).count() as u64;
+    let detail = ContactDetail {
+        contacts: list.len() as u64,
+        entrances: count(&|at| read[at].entrance != UNNAMED),
+        gap_m: count(&|at| list[at].get("gap_m").is_some()),
+    };
+    Ok((read, detail))
 }
 
 /// The kinds of feature a contact or entrance names, in A and in B.
@@ -193,6 +220,7 @@ fn read_contact(contact: &Value, features: [&Topology; 2]) -> Result<Contact, St
         Ok::<_, String>([number(0)?, number(1)?])
     };
     let key = ContactKey::of_kind(kind, numbers(["feature_a", "feature_b"], names_of(kind))?);
+    let gap = read_gap(object)?;
     if object.get("entrance").is_none() {
         // Kinds only: what is not said is not compared.
         return Ok(Contact { key, entrance: UNNAMED, gap: Sign::Positive });
@@ -206,19 +234,33 @@ fn read_contact(contact: &Value, features: [&Topology; 2]) -> Result<Contact, St
         EntranceKind::EdgeEdge => ["edge", "edge"],
     };
     let entrance = Entrance::of_kind(entrance, numbers(["entrance_a", "entrance_b"], names)?);
-    let gap = match (object.get("gap_sign").and_then(Value::as_i64), object.get("gap_m").and_then(Value::as_f64)) {
-        (Some(-1), _) => Sign::Negative,
-        (Some(0), _) => Sign::Zero,
-        (Some(1), _) => Sign::Positive,
-        (None, Some(gap)) if object.get("gap_sign").is_none() => {
-            Sign::of_ordering(gap.partial_cmp(&0.0).unwrap_or(std::cmp::Ordering::Equal))
-        }
-        _ => {
-            let found = shown(object.get("gap_sign"));
-            return Err(format!("gap_sign is {found}; allowed are -1, 0, 1, or the number gap_m instead"));
-        }
-    };
+    let gap = gap.ok_or_else(|| format!("gap_sign is absent; {GAPS}"))?;
     Ok(Contact { key, entrance, gap })
+}
+
+/// What a contact may say of its gap.
+const GAPS: &str = "allowed are -1, 0, 1, or the number gap_m instead";
+
+/// The sign of a contact's gap: `gap_sign`, or else that of `gap_m`. Where both are there, `gap_sign` counts, unless one is positive and the other negative: a
+/// code may call a small gap none, or print a short number.
+fn read_gap(object: &Map<String, Value>) -> Result<Option<Sign>, String> {
+    let length = object.get("gap_m").map(|gap| {
+        gap.as_f64().ok_or_else(|| format!("gap_m is there, but it is {}; expected a number", kind_of(gap)))
+    });
+    let of_length = length.transpose()?.and_then(|gap| gap.partial_cmp(&0.0)).map(Sign::of_ordering);
+    let Some(found) = object.get("gap_sign") else { return Ok(of_length) };
+    let sign = match found.as_i64() {
+        Some(-1) => Sign::Negative,
+        Some(0) => Sign::Zero,
+        Some(1) => Sign::Positive,
+        _ => return Err(format!("gap_sign is {found}; {GAPS}")),
+    };
+    match of_length {
+        Some(other) if sign != Sign::Zero && other == sign.reversed() => {
+            Err(format!("gap_sign {found} contradicts gap_m {}", shown(object.get("gap_m"))))
+        }
+        _ => Ok(Some(sign)),
+    }
 }
 
 fn shown(value: Option<&Value>) -> String {
