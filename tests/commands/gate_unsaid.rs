@@ -1,8 +1,9 @@
-//! What an external engine leaves unsaid of its contacts is not compared, and the gate tells it.
+//! What an external engine leaves unsaid of its contacts is not compared: the gate, campaigns, reports and `compare` tell it.
 #![cfg(unix)]
 
 use crate::engines::client;
 use crate::gates::{around, gate};
+use crate::place::rockproof_in;
 
 /// A gate around an engine, on few pairs.
 fn around_few(command: &[String], rest: &str) -> String {
@@ -64,4 +65,46 @@ fn an_engine_that_says_less_than_in_the_baseline_fails() {
     std::fs::write(&file, format!("{start}\n[known]\n{known}")).expect("write");
     let ran = gate(dir.path(), &less, &[], false);
     assert!(ran.code == 0 && ran.out.contains("none new"), "{}{}", ran.out, ran.err);
+}
+
+/// Campaigns say of how many contacts entrances were given, tables do not show 0 of what was never said, and `compare` tells an engine that says less.
+#[test]
+fn what_an_engine_leaves_unsaid_is_told_by_campaign_report_and_compare() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let campaign = |out: &str, command: &[String]| {
+        let words: Vec<String> = command.iter().map(|word| toml::Value::from(word.as_str()).to_string()).collect();
+        let text = format!(
+            "pairs = 32\nengines = []\nfamilies = [\"face_stack\", \"edge_cross\"]\nshrink_evaluations = 0\nsteps_every = 0\n\
+             [[external]]\nname = \"mine\"\ncommand = [{}]\n",
+            words.join(", ")
+        );
+        std::fs::write(dir.join("few.toml"), text).expect("write");
+        let (code, said, err) = rockproof_in(dir, &["campaign", "few.toml", "--out", out]);
+        assert_eq!(code, 0, "{said}{err}");
+        said
+    };
+    let whole = campaign("whole", &[client(), String::new()]);
+    assert!(!whole.contains("signs of gaps given"), "{whole}");
+    let said = campaign("bare", &bare());
+    let told = "entrances and signs of gaps given for 0 of ";
+    let lines = ["Exactly right on hard pairs: mine ", "mine: "].map(|start| {
+        said.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{said}")).contains(told)
+    });
+    assert_eq!(lines, [true, true], "{said}");
+    let (code, page, err) = rockproof_in(dir, &["report", "bare", "--format", "markdown"]);
+    assert!(code == 0 && page.contains(told), "{page}{err}");
+    for (run, empty) in [("bare", true), ("whole", false)] {
+        let (code, _, err) = rockproof_in(dir, &["report", run, "--out", &format!("{run}-page")]);
+        assert_eq!(code, 0, "{err}");
+        let table = std::fs::read_to_string(dir.join(format!("{run}-page/tables/agreement.csv"))).expect("a table");
+        let row = table.lines().find(|row| row.contains(",mine,whole,")).unwrap_or_else(|| panic!("{table}"));
+        assert_eq!(row.ends_with(",,"), empty, "{row}");
+    }
+    let (code, said, err) = rockproof_in(dir, &["compare", "whole", "bare"]);
+    let less = said.lines().find(|line| line.starts_with("mine gave entrances and signs of gaps for "));
+    let less = less.unwrap_or_else(|| panic!("{said}{err}"));
+    assert!(code == 0 && less.contains(" before, for 0 of ") && less.ends_with("is not compared."), "{less}");
+    let (_, said, _) = rockproof_in(dir, &["compare", "whole", "whole"]);
+    assert!(!said.contains("entrances and signs"), "{said}");
 }

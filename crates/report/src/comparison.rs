@@ -8,6 +8,7 @@ use super::sections::{Section, SectionPart};
 use super::table::{Table, TableCell, grouped};
 use super::verdict::{Severity, VerdictLine};
 use rockproof_campaign::proportion::Proportion;
+use rockproof_differential::contact_detail::ContactDetail;
 use rockproof_gate::comparison::{ClassChange, Comparable, FindingComparison, Trend};
 use rockproof_gate::tally::CampaignTally;
 use rockproof_model::text::escaped;
@@ -40,6 +41,19 @@ pub struct ShareChange {
     pub after: [f64; 3],
 }
 
+/// An external engine that gives entrances and signs of gaps for another share of its contacts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DetailChange {
+    /// The engine.
+    pub engine: String,
+    /// What it said of its contacts before.
+    pub before: ContactDetail,
+    /// The same after.
+    pub after: ContactDetail,
+    /// Whether it says less.
+    pub less: bool,
+}
+
 /// What changed between two runs of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunComparison {
@@ -57,6 +71,9 @@ pub struct RunComparison {
     pub findings: FindingComparison,
     /// The shares of right answers, of pairs as each run has them.
     pub agreement: Vec<ShareChange>,
+    /// External engines that say more or less of their contacts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub details: Vec<DetailChange>,
 }
 
 impl RunComparison {
@@ -80,9 +97,10 @@ impl RunComparison {
         let comparable = Comparable { same_pairs: shared.map(PairNumbers::into_ranges), engines: in_both, tolerance };
         let findings = FindingComparison::of(&tallies[0], &tallies[1], &comparable);
         let agreement = shares(runs);
+        let details = details(runs, same_pairs.is_some());
         let names =
             if first.name == second.name { dirs.map(|dir| dir.display().to_string()) } else { dirs.map(last_name) };
-        Ok(RunComparison { runs: names, pairs, same_pairs, settings, engines_left_out, findings, agreement })
+        Ok(RunComparison { runs: names, pairs, same_pairs, settings, engines_left_out, findings, agreement, details })
     }
 
     /// How many sorts of findings fared so.
@@ -126,6 +144,12 @@ impl RunComparison {
             ),
         };
         lines.push(line(if self.examined() == 0 { Severity::Bad } else { severity }, text));
+        lines.extend(self.details.iter().map(|DetailChange { engine, before, after, less }| {
+            let severity = if *less { Severity::Bad } else { Severity::Fair };
+            let [before, after] = [before, after].map(|detail| detail.share_note());
+            let text = format!("{engine} gave entrances and signs of gaps for {before} before, for {after} after: what is not given is not compared.");
+            line(severity, text)
+        }));
         if let Some(text) = self.left_out() {
             lines.push(line(Severity::Fair, text));
         }
@@ -304,6 +328,20 @@ fn differences(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<S
         after: after.get(name).cloned(),
     };
     names.into_iter().filter(|name| before.get(*name) != after.get(*name)).map(change).collect()
+}
+
+/// External engines of both runs that give entrances for another share of their contacts; of other pairs a share may be another by chance.
+fn details([first, second]: [&CampaignRun; 2], same_pairs: bool) -> Vec<DetailChange> {
+    let both =
+        first.run.external_engines.iter().filter_map(|(engine, before)| {
+            Some((engine, before.detail, second.run.external_engines.get(engine)?.detail))
+        });
+    let change = |(engine, before, after): (&String, ContactDetail, ContactDetail)| {
+        let less = after.says_less_than(before, same_pairs);
+        let differs = less || before.says_less_than(after, same_pairs);
+        differs.then(|| DetailChange { engine: engine.clone(), before, after, less })
+    };
+    both.filter_map(change).collect()
 }
 
 /// What users of each engine see, under each setting that both runs have.

@@ -1,8 +1,8 @@
 //! What external engines are found to get wrong, and how much of it rounding may explain.
 
 use super::load::CampaignRun;
-use super::table::grouped;
-use super::verdict::{Severity, VerdictLine};
+use super::table::{counted, grouped};
+use super::verdict::{MIN_PAIRS, Severity, VerdictLine, few_pairs};
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::{Cause, FAR_FROM_TIE};
@@ -38,11 +38,15 @@ impl EngineFindings {
         }
     }
 
-    /// What they come to, in one line for the engine `name`, which was compared on so many pairs.
-    fn line(&self, name: &str, compared: u64) -> VerdictLine {
+    /// What they come to, in one line for the engine `name`, whose answers were compared so often, on so many pairs.
+    fn line(&self, name: &str, compared: u64, pairs: u64) -> VerdictLine {
         if self.findings == 0 {
             let (severity, text) = match compared {
-                0 => (Severity::Fair, format!("{name}: no answer of its could be compared.")),
+                0 => (Severity::Fair, format!("{name}: none of its answers could be compared.")),
+                n if pairs < MIN_PAIRS => {
+                    let none = format!("{name}: no finding of its own, {}.", counted(n, "comparison", "comparisons"));
+                    (Severity::Fair, format!("{none} {}", few_pairs()))
+                }
                 n => (Severity::Good, format!("{name}: no finding of its own, {} comparisons.", grouped(n))),
             };
             return VerdictLine { severity, text };
@@ -94,7 +98,18 @@ pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<VerdictLine> {
             if let Some(note) = counts.and_then(EngineCounts::changed_note) {
                 changed.push(VerdictLine { severity: Severity::Bad, text: format!("{name}: {note}.") });
             }
-            found.push((own, own.line(&name, sums.pairs - sums.silent)));
+            let mut line = own.line(&name, sums.pairs - sums.silent, campaign.run.pairs);
+            let detail = counts.map(|counts| counts.detail).unwrap_or_default();
+            if let Some(note) = detail.incomplete_note() {
+                line.text += &format!(" Its answers have {note}: what is not given is not compared.");
+                if line.severity == Severity::Good {
+                    line.severity = Severity::Fair;
+                }
+            }
+            if detail.gap_m > 0 {
+                line.text += " Of the gap_m of its contacts the sign alone is compared.";
+            }
+            found.push((own, line));
         }
     }
     let place = |severity| [Severity::Bad, Severity::Fair, Severity::Good].iter().position(|known| *known == severity);
@@ -146,7 +161,7 @@ mod tests {
     fn what_rounding_cannot_explain_is_bad_and_never_good() {
         let near =
             own(&[(AnswerChange::Missing, Some(-3.0)), (AnswerChange::State, Some(0.4)), (AnswerChange::Swap, None)])
-                .line("mine", 9);
+                .line("mine", 9, 300);
         assert_eq!(near.severity, Severity::Fair, "{near:?}");
         for (change, ulps) in [
             (AnswerChange::Missing, Some(-1e4)),
@@ -156,12 +171,14 @@ mod tests {
             (AnswerChange::Unstable, None),
             (AnswerChange::FarBlock, None),
         ] {
-            let line = own(&[(AnswerChange::Missing, Some(0.1)), (change, ulps)]).line("mine", 9);
+            let line = own(&[(AnswerChange::Missing, Some(0.1)), (change, ulps)]).line("mine", 9, 300);
             assert_eq!(line.severity, Severity::Bad, "{change}: {line:?}");
             assert!(line.text.starts_with("mine: 2 findings of its own, 1 "), "{line:?}");
         }
-        assert_eq!(own(&[(AnswerChange::Unsupported, None)]).line("mine", 0).severity, Severity::Fair);
-        assert_eq!(own(&[]).line("mine", 0).severity, Severity::Fair);
-        assert_eq!(own(&[]).line("mine", 7).severity, Severity::Good);
+        assert_eq!(own(&[(AnswerChange::Unsupported, None)]).line("mine", 0, 300).severity, Severity::Fair);
+        assert_eq!(own(&[]).line("mine", 0, 300).severity, Severity::Fair);
+        assert_eq!(own(&[]).line("mine", 7, 300).severity, Severity::Good);
+        let few = own(&[]).line("mine", 7, 299);
+        assert!(few.severity == Severity::Fair && few.text.contains("So few pairs tell little"), "{few:?}");
     }
 }

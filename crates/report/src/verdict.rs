@@ -166,6 +166,8 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
             // As of one that crashes at every pair, or where rounding makes every block degenerate.
             let silent = if counts.silent == counts.pairs { ", without an answer to any pair" } else { "" };
             let supported = of_supported(campaign, &engine, &counts);
+            let detail = campaign.run.external_engines.get(&engine).and_then(|counts| counts.detail.incomplete_note());
+            let unsaid = detail.map_or(String::new(), |note| format!(", {note}"));
             if share.value < 1.0 && severity == Severity::Good {
                 severity = Severity::Fair;
             }
@@ -176,7 +178,7 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
             let again = again.map_or(String::new(), |told| format!(", but {told}"));
             let name = if campaigns.len() > 1 { format!("{engine} ({})", campaign.name) } else { engine };
             let [value, low, high] = [share.value, share.low, share.high].map(percent);
-            words.push(format!("{name} {value} ({low} to {high}){silent}{supported}{again}"));
+            words.push(format!("{name} {value} ({low} to {high}){silent}{supported}{unsaid}{again}"));
         }
     }
     words.truncate(4);
@@ -195,7 +197,7 @@ fn of_supported(campaign: &CampaignRun, engine: &str, counts: &AgreementCounts) 
     match counts.pairs.checked_sub(unsupported) {
         Some(supported) if unsupported > 0 && supported > 0 => {
             let share = percent(counts.agreeing as f64 / supported as f64);
-            format!(", {share} of the {} that it supports", counted(supported, "pair", "pairs"))
+            format!(", {share} of the {} that it supports", counted(supported, "comparison", "comparisons"))
         }
         _ => String::new(),
     }
@@ -204,6 +206,11 @@ fn of_supported(campaign: &CampaignRun, engine: &str, counts: &AgreementCounts) 
 /// So many pairs without a mistake must there be before that is called well: a mistake that shows in one pair of a hundred shows in one of these with
 /// 95 % (1 − 0.99³⁰⁰).
 pub(super) const MIN_PAIRS: u64 = 300;
+
+/// What is said of fewer.
+pub(super) fn few_pairs() -> String {
+    format!("So few pairs tell little: {MIN_PAIRS} show a mistake of one pair in a hundred with 95 %.")
+}
 
 /// How many pairs campaigns examined, in words, and which part of how many that is.
 fn pairs_in_words(campaigns: &[CampaignRun]) -> String {
@@ -224,10 +231,7 @@ fn none_found(campaigns: &[CampaignRun], text: &str) -> VerdictLine {
     if counted_pairs(campaigns) >= MIN_PAIRS {
         return line(Severity::Good, text.to_owned());
     }
-    line(
-        Severity::Fair,
-        format!("{text} So few pairs tell little: {MIN_PAIRS} show a mistake of one pair in a hundred with 95 %."),
-    )
+    line(Severity::Fair, format!("{text} {}", few_pairs()))
 }
 
 /// Whether the code of the built-in engines is mistaken, in contacts or in steps, and what the other findings about contacts are due to, those of

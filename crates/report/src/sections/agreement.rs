@@ -78,6 +78,10 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
         for (campaign, (compared, sums)) in all.filter(|(campaign, (compared, _))| seen(campaign, compared) == first) {
             whole += usize::from(first);
             let [value, low, high] = share_cells(&sums);
+            let detail = campaign.run.external_engines.get(&compared.engine).map(|counts| counts.detail);
+            // Where the engine gave none, that none differs says nothing.
+            let is_unsaid = detail.is_some_and(|detail| detail.entrances == 0 && detail.contacts > 0);
+            let told = |count: u64| if is_unsaid { TableCell::Empty } else { count.into() };
             table.push(vec![
                 campaign.name.as_str().into(),
                 compared.tolerances.into(),
@@ -89,8 +93,8 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
                 high,
                 sums.silent.into(),
                 sums.contacts.into(),
-                sums.entrance.into(),
-                sums.gap_sign.into(),
+                told(sums.entrance),
+                told(sums.gap_sign),
             ]);
         }
     }

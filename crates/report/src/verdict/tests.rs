@@ -176,7 +176,7 @@ fn pairs_that_an_engine_does_not_support_are_told_apart() {
     let rows: Vec<&str> = unsupported.iter().map(String::as_str).collect();
     let lines = lines_of(campaign(&[("mine", 6)], &rows, &[], watched()));
     assert!(lines[0].text.starts_with("Exactly right on hard pairs: mine 60.00 % ("), "{lines:?}");
-    assert!(lines[0].text.ends_with("), 100 % of the 6 pairs that it supports."), "{lines:?}");
+    assert!(lines[0].text.ends_with("), 100 % of the 6 comparisons that it supports."), "{lines:?}");
     let lines = lines_of(campaign(&[("mine", 6)], &[], &[], watched()));
     assert!(!lines[0].text.contains("supports"), "{lines:?}");
 }
