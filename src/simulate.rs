@@ -28,7 +28,7 @@ use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, tolerance_rules};
 use rockproof_oracle::step::KeptPrecision;
 use rockproof_report::table::counted;
-use rockproof_results::{ResultsError, Start, bounded};
+use rockproof_results::{Owner, ResultsError, Start, bounded};
 use rockproof_simulate::audit::PairExtreme;
 use rockproof_simulate::identity::{identity, with_tolerances};
 use rockproof_simulate::record::{RunProgress, RunTable};
@@ -256,6 +256,8 @@ impl Simulate {
             print_note("nothing was run; --force runs all the same");
             return Ok(ExitStatus::CheckFailed);
         }
+        // Overlaps of a large model take long.
+        Start::of(self.resume, self.overwrite).refuse_held(&self.directory(), Owner::Simulate)?;
         let overlaps = overlaps(&scene, &set, None);
         let lost = overlaps.sentence().filter(|_| overlaps.lost() > 0);
         if let Some(sentence) = &lost {

@@ -200,6 +200,9 @@ fn mistakes_exit_with_2_and_say_where() {
     place.file("endless.toml", &FALL.replace("steps = 120\n", ""));
     place.file("wrong.toml", &FALL.replace("settle = 2", "settle = -2"));
     place.file("huge.toml", &FALL.replace("gravity = [1,", "gravity = [1e60,"));
+    // Told before it is looked how deep blocks overlap, which would end with 1.
+    place.file("overlap.toml", &FALL.replace("min = [0, 0, 0.01]", "min = [0, 0, -0.5]"));
+    assert_eq!(place.simulate(&["overlap.toml", "--out", "new"]).0, 1);
     place.finishes(&["fall.toml", "--steps", "3", "--out", "done"]);
     let before = place.files("done");
     for (args, told) in [
@@ -218,6 +221,7 @@ fn mistakes_exit_with_2_and_say_where() {
         (vec!["fall.toml", "--set", "serch=1"], "serch"),
         (vec!["fall.toml", "--planarity", "-1"], "0 or more"),
         (vec!["fall.toml", "--resume", "--overwrite"], "cannot be used with"),
+        (vec!["overlap.toml", "--out", "done"], "--resume goes on with it, --overwrite discards it"),
         (vec!["fall.toml", "--out", "done"], "--resume goes on with it, --overwrite discards it"),
         (
             vec!["fall.toml", "--out", "done", "--resume", "--engine", "f32"],

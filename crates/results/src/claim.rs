@@ -1,6 +1,7 @@
 //! What a command asks of a directory.
 
 use super::error::ResultsError;
+use super::lock::Lock;
 use super::manifest::{Manifest, Owner};
 use std::path::Path;
 
@@ -41,6 +42,33 @@ pub struct Claim<'c> {
 }
 
 impl Start {
+    /// Refuses a directory that [`Directory::claim`](super::directory::Directory::claim) would refuse for what it holds already, so that it is told before long work and not after it. It
+    /// claims nothing: what is free now may be taken by then.
+    ///
+    /// # Errors
+    /// When somebody works there, it belongs to another command, or it holds results that were not asked for.
+    pub fn refuse_held(self, dir: &Path, owner: Owner) -> Result<(), ResultsError> {
+        if !dir.is_dir() || Manifest::read(dir)?.is_none() {
+            return Ok(());
+        }
+        let _lock = Lock::take(dir, owner)?;
+        self.held(dir, owner).map(drop)
+    }
+
+    /// The manifest of what a command finds in a directory that it holds, where it may begin so.
+    pub(crate) fn held(self, dir: &Path, owner: Owner) -> Result<Option<Manifest>, ResultsError> {
+        let held = Manifest::read(dir)?;
+        if let Some(held) = &held {
+            if held.owner != owner {
+                return Err(ResultsError::OtherCommand { dir: dir.to_owned(), found: held.owner, owner });
+            }
+            // Who was stopped before writing anything left no results; a manifest lists files before they are written.
+            if self == Start::Fresh && held.files.keys().any(|name| dir.join(name).symlink_metadata().is_ok()) {
+                return Err(ResultsError::Occupied { dir: dir.to_owned(), owner });
+            }
+        }
+        Ok(held)
+    }
     /// Refuses to begin anew where a file that is read is one of the results that are discarded: the user may have changed it.
     ///
     /// # Errors

@@ -36,15 +36,8 @@ impl Directory {
         let is_new = dir.symlink_metadata().is_err();
         fs::create_dir_all(dir).map_err(ResultsError::at(dir))?;
         let lock = Lock::take(dir, owner)?;
-        let mut held = Manifest::read(dir)?;
-        if let Some(found) = held.as_ref().map(|held| held.owner).filter(|found| *found != owner) {
-            return Err(ResultsError::OtherCommand { dir: dir.to_owned(), found, owner });
-        }
-        // Who was stopped before writing anything left no results; a manifest lists files before they are written.
+        let mut held = start.held(dir, owner)?;
         if let Some(held) = held.as_mut().filter(|_| start == Start::Fresh) {
-            if held.files.keys().any(|name| dir.join(name).symlink_metadata().is_ok()) {
-                return Err(ResultsError::Occupied { dir: dir.to_owned(), owner });
-            }
             held.files.clear();
         }
         let resumes = held.is_some() && start == Start::Resume;
