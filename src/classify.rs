@@ -260,13 +260,21 @@ fn row(pair: &PairContacts, contact: &Contact, gap_m: f64) -> [String; 10] {
 
 fn write_csv(out: &mut dyn Write, pairs: impl Iterator<Item = PairContacts>) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(out);
-    writer.write_record(COLUMNS)?;
+    writer.write_record(COLUMNS).map_err(cause_of)?;
     for pair in pairs {
         for (contact, gap_m) in &pair.found {
-            writer.write_record(row(&pair, contact, *gap_m))?;
+            writer.write_record(row(&pair, contact, *gap_m)).map_err(cause_of)?;
         }
     }
     writer.flush()
+}
+
+/// What the system said, which tells a reader that went away from a full disk; a writer of CSV wraps it.
+fn cause_of(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        kind => io::Error::other(format!("{kind:?}")),
+    }
 }
 
 fn write_table(out: &mut Vec<u8>, found: impl Iterator<Item = PairContacts>, examined: usize) -> io::Result<()> {
