@@ -329,10 +329,21 @@ impl CampaignRun {
         Ok(CampaignRun { dir: dir.to_owned(), name, run, agreement, confusion, tally, steps, step_tally, diagnosis })
     }
 
+    /// What was compared, by family. Of an engine that says only how blocks lie the whole chain would hold what it does not take and nothing else, so
+    /// that is left out.
+    fn compared(&self) -> impl Iterator<Item = &(String, ComparisonKey, AgreementCounts)> {
+        let engines = self.engines();
+        let states: BTreeSet<String> =
+            engines.into_iter().filter(|engine| self.span_of(engine) != ChainSpan::Whole).collect();
+        self.agreement
+            .iter()
+            .filter(move |(_, compared, _)| compared.span != ChainSpan::Whole || !states.contains(&compared.engine))
+    }
+
     /// Sums over families and over the rungs of ladders, by what was compared; see [`setting`].
     pub fn by_setting(&self) -> BTreeMap<ComparisonKey, AgreementCounts> {
         let mut sums: BTreeMap<ComparisonKey, AgreementCounts> = BTreeMap::new();
-        for (_, compared, counts) in &self.agreement {
+        for (_, compared, counts) in self.compared() {
             let compared = ComparisonKey { tolerances: setting(&compared.tolerances), ..compared.clone() };
             sums.entry(compared).or_default().add(counts);
         }
@@ -342,7 +353,7 @@ impl CampaignRun {
     /// Sums over tolerance sets, by family, span and engine.
     pub fn by_family(&self) -> BTreeMap<(&str, ChainSpan, &str), AgreementCounts> {
         let mut sums: BTreeMap<(&str, ChainSpan, &str), AgreementCounts> = BTreeMap::new();
-        for (family, compared, counts) in &self.agreement {
+        for (family, compared, counts) in self.compared() {
             sums.entry((family, compared.span, &compared.engine)).or_default().add(counts);
         }
         sums

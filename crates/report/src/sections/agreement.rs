@@ -194,10 +194,6 @@ fn family_map(campaigns: &[CampaignRun]) -> Chart {
         families.extend(sums.keys().map(|(family, ..)| (*family).to_owned()));
         let lines = sums.keys().map(|(_, span, engine)| (*span, (*engine).to_owned())).collect::<BTreeSet<_>>();
         for (span, engine) in lines {
-            // Of an engine that says only how blocks lie the whole chain holds what it does not take, and nothing else.
-            if span == ChainSpan::Whole && campaign.span_of(&engine) != span {
-                continue;
-            }
             let what = if span == ChainSpan::Whole { engine.clone() } else { format!("{engine}, {span}") };
             columns.push((campaign, span, engine, label(campaigns.len(), &campaign.name, &what)));
         }

@@ -63,6 +63,28 @@ fn campaign(engines: &[(&str, u64)], findings: &[&str], step_findings: &[&str], 
     }
 }
 
+/// Of an engine that says only how blocks lie the pairs that it does not take alone are counted along the whole chain, which would read as 0 % right.
+#[test]
+fn an_engine_without_contacts_has_no_rows_along_the_whole_chain() {
+    let mut run = campaign(&[("states", 0), ("contacts", 7)], &[], &[], StepCounts::default());
+    let arithmetic = campaign(&[("states", 6), ("contacts", 7)], &[], &[], StepCounts::default()).agreement;
+    run.agreement.extend(
+        arithmetic
+            .into_iter()
+            .map(|(family, key, counts)| (family, ComparisonKey { span: ChainSpan::Arithmetic, ..key }, counts)),
+    );
+    let expected =
+        [("contacts", ChainSpan::Arithmetic), ("contacts", ChainSpan::Whole), ("states", ChainSpan::Arithmetic)];
+    let mut settings: Vec<(String, ChainSpan)> =
+        run.by_setting().into_keys().map(|key| (key.engine, key.span)).collect();
+    settings.sort();
+    assert_eq!(settings, expected.map(|(engine, span)| (engine.to_owned(), span)));
+    let mut families: Vec<(&str, ChainSpan)> =
+        run.by_family().into_keys().map(|(_, span, engine)| (engine, span)).collect();
+    families.sort();
+    assert_eq!(families, expected);
+}
+
 fn lines_of(run: CampaignRun) -> Vec<VerdictLine> {
     verdict(&Results { campaigns: vec![run], ..Results::default() })
 }
