@@ -8,7 +8,7 @@ use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, FAR_FROM_TIE, Finding, FindingScope};
 use rockproof_differential::subject::{NamedSet, Subject};
 use rockproof_model::{Block, Precision};
-use rockproof_report::sections::CHOICES;
+use rockproof_report::tally::CHOICES;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The precisions of the built-in engines, in the order of [`ENGINES`].

@@ -5,8 +5,12 @@ use super::load::{is_made_for_ties, setting};
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::{Cause, FAR_FROM_TIE};
 use rockproof_differential::row::FindingRow;
+use rockproof_model::decision::Predicate;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
+
+/// Questions whose answer is a choice among several, made elsewhere: how far they are from a tie says nothing of how near that was.
+pub const CHOICES: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::ShortestExit, Predicate::OneExit];
 
 /// How many of the worst findings of each cause are kept.
 const WORST: usize = 8;
@@ -68,12 +72,13 @@ impl WorstFinding {
         self.change == AnswerChange::Unsupported
     }
 
-    /// How much less than others rounding excuses it: that an engine contradicts itself has no margin, so it comes after what is far from any tie and
-    /// before what is near one.
+    /// How much less than others rounding excuses it: that an engine contradicts itself, or that a choice among several differs, has no margin, so it
+    /// comes after what is far from any tie and before what is near one.
     fn gravity(&self) -> f64 {
         let is_unmeasured = self.margin_ulps.or(self.margin).is_none();
         let contradicts = self.change.is_metamorphic() && self.change != AnswerChange::FarBlock;
-        if is_unmeasured && contradicts { FAR_FROM_TIE } else { self.magnitude() }
+        let is_choice = CHOICES.iter().any(|choice| choice.name() == self.predicate);
+        if is_unmeasured && (contradicts || is_choice) { FAR_FROM_TIE } else { self.magnitude() }
     }
 
     /// What no rounding excuses first: no usable answer, then the largest margin; last what an engine does not take.
@@ -219,6 +224,19 @@ mod tests {
         let ranked: Vec<u64> = found.worst[&Cause::Engine].iter().map(|worst| worst.index).collect();
         assert_eq!(ranked, [4, 3, 1, 2]);
         assert_eq!(found.worst_of_all(|worst| worst.index != 4).map(|worst| worst.index), Some(3));
+    }
+
+    #[test]
+    fn a_choice_without_a_margin_comes_after_what_no_rounding_excuses() {
+        let row = |index, predicate, margin| {
+            format!(
+                "{index},sliver,base,auto,f64,representation,extra,v-f,v-f,{predicate},0,{margin},cases/{index}.toml"
+            )
+        };
+        let rows = [row(1, "entrance-choice", ","), row(2, "gap-sign", "1e-9,4"), row(3, "gap-sign", "1e-3,2e4")];
+        let found = tally(&rows.each_ref().map(String::as_str));
+        let ranked: Vec<u64> = found.worst[&Cause::Representation].iter().map(|worst| worst.index).collect();
+        assert_eq!(ranked, [3, 1, 2]);
     }
 
     #[test]

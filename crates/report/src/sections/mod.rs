@@ -15,7 +15,7 @@ mod timing;
 mod worst;
 
 pub use confusion::{Matrix, MatrixCell, MatrixRow};
-pub use worst::{CHOICES, FindingContact, FindingView, ShownCase};
+pub use worst::{FindingContact, FindingView, ShownCase};
 
 use super::chart::Chart;
 use super::error::ReportError;

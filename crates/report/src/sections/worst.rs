@@ -4,13 +4,12 @@ use super::{Section, SectionPart};
 use crate::error::{ReportError, at};
 use crate::load::{CampaignRun, RunFile};
 use crate::table::{Table, TableCell, concerned, label, short, six_digits};
-use crate::tally::{WORRYING, WorstFinding};
+use crate::tally::{CHOICES, WORRYING, WorstFinding};
 use crate::view;
 use rockproof_differential::case_file::Case;
 use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::quoted;
 use rockproof_differential::finding::{Cause, FAR_FROM_TIE};
-use rockproof_model::decision::Predicate;
 use rockproof_model::files::refuse_what_is_no_file;
 use rockproof_model::text::escaped;
 use serde::{Deserialize, Serialize};
@@ -55,7 +54,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
         "worst",
         "The worst findings",
         "Of each cause the findings furthest from a tie, whichever side of it, which rounding excuses least; what is further than all found before it \
-         has a case. Open one to \
+         has a case. Facts are those of the case, which is made small: where the pair was another as it was found, as the table has it, that is told. Open one to \
          see both blocks, or where one is much larger the surroundings of the smaller: drag to turn, scroll or pinch to come nearer. Green is \
          the true contact, orange the one that was seen.",
     );
@@ -152,7 +151,31 @@ fn show(dir: &Path, finding: &WorstFinding, name: String, number: usize) -> Resu
     refuse_what_is_no_file(&path).map_err(at(&path))?;
     let case = Case::load(&path)?;
     let about = ShownCase { cause: finding.cause, predicate: &finding.predicate, engine: &finding.engine, file: &path };
-    Ok(about.view(&case, &name, number))
+    let mut view = about.view(&case, &name, number);
+    if let Some(found) = as_found(finding, &case) {
+        view.facts.insert(view.facts.iter().take_while(|(what, _)| *what != "from").count(), ("as found", found));
+    }
+    Ok(view)
+}
+
+/// What decided the finding of the pair as it was found, and how far from a tie that was, where the case that was made small has other figures.
+fn as_found(finding: &WorstFinding, case: &Case) -> Option<String> {
+    let about = &case.about;
+    let found = (finding.margin, finding.margin_ulps, &finding.predicate, &finding.features);
+    if found == (about.margin, about.margin_ulps, &about.predicate, &about.features) {
+        return None;
+    }
+    let decided = if finding.predicate.is_empty() {
+        "no decision".to_owned()
+    } else {
+        format!("{} of {}", finding.predicate, finding.features)
+    };
+    let margin = match (finding.margin, finding.margin_ulps) {
+        (_, Some(ulps)) => format!("{} roundoffs", short(ulps)),
+        (Some(margin), None) => format!("margin {}", short(margin)),
+        (None, None) => "no margin".to_owned(),
+    };
+    Some(format!("{decided}, {margin}"))
 }
 
 /// What of a finding the case itself says only in words.
@@ -233,9 +256,6 @@ fn lies_in(dir: &Path, file: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     real(dir).zip(real(file)).is_none_or(|(dir, file)| file.starts_with(dir))
 }
-
-/// Questions whose answer is a choice among several, made elsewhere: how far they are from a tie says nothing of how near that was.
-pub const CHOICES: [Predicate; 3] = [Predicate::EntranceChoice, Predicate::ShortestExit, Predicate::OneExit];
 
 /// A gap as a reader likes it; the command below gives it in full.
 fn nine_digits(gap_m: f64) -> String {
