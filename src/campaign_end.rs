@@ -190,7 +190,7 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
     let found = counted(progress.summary.total(), "finding", "findings");
     let in_steps = match progress.steps.total() {
         0 => String::new(),
-        found => format!(", {} in steps", grouped(found)),
+        found => format!(", and {} about steps", grouped(found)),
     };
     let mut out = format!("{done} in {seconds:.1} s ({speed:.0} a second), {found}{in_steps}\n");
     for (name, counts) in &progress.engines {

@@ -215,11 +215,12 @@ fn write_tolerances(out: &mut String, model: &CheckedModel) -> std::fmt::Result 
     let (spec, set) = (&model.spec, &model.set);
     let preset = spec.preset().map_or("no preset", |p| p.name());
     writeln!(out, "\ntolerances ({preset}, {})", model.precision)?;
+    let source = |is_given| if is_given { "  given" } else { "" };
     for (name, number) in set.numbers() {
-        let source = if spec.numbers().iter().any(|(given, _)| *given == name) { "  given" } else { "" };
+        let source = source(spec.numbers().iter().any(|(given, _)| *given == name));
         writeln!(out, "  {name:<17} {:>13.6e}{source}", number.approximate())?;
     }
-    writeln!(out, "  {:<17} {:>13}", "criteria", set.criteria.name())
+    writeln!(out, "  {:<17} {:>13}{}", "criteria", set.criteria.name(), source(spec.criteria().is_some()))
 }
 
 /// A fall that is not stopped within `penetration`, in the form of a violated rule. It is no violation: whether anything falls so
