@@ -4,7 +4,9 @@
 //! `rockproof campaign --engine-command "mine=target/release/examples/engine_client"` must then find exactly what it finds about
 //! `stepper-f64`. A word as argument makes the client misbehave or make a mistake, for the tests and for docs/engines.md: see `trick` and `mistake`.
 
-use rockproof_model::{Block, BlockOptions, Contact, Criteria, Number, Point, ToleranceSet};
+use rockproof_model::{
+    Block, BlockOptions, Contact, Criteria, Entrance, EntranceKind, Number, Point, Sign, ToleranceSet,
+};
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::{Classifier, Stepper};
 use serde_json::{Value, json};
@@ -90,14 +92,23 @@ fn misread(word: &str, question: &mut Value) {
     }
 }
 
-/// A mistake in what is found: gaps with the wrong sign, corners of five and more edges left out, one contact forgotten in one pair of a thousand.
+/// A mistake in what is found: gaps with the wrong sign or always the same, entrances all called v-f, corners of five and more edges left out, one contact
+/// forgotten in one pair of a thousand.
 fn mistake(word: &str, question: &Value, contacts: &mut Vec<Contact>) {
+    let constant = |sign: Sign| move |contact: &mut Contact| contact.gap = sign;
     let edges = |block: &str, vertex: u32| {
         let faces = question[block]["faces"].as_array().into_iter().flatten();
         faces.filter(|face| face.as_array().is_some_and(|face| face.contains(&json!(vertex)))).count()
     };
     match word {
         "sign" => contacts.iter_mut().for_each(|contact| contact.gap = contact.gap.reversed()),
+        "positive" => contacts.iter_mut().for_each(constant(Sign::Positive)),
+        "negative" => contacts.iter_mut().for_each(constant(Sign::Negative)),
+        "zero" => contacts.iter_mut().for_each(constant(Sign::Zero)),
+        "v-f" => contacts
+            .iter_mut()
+            .filter(|contact| contact.entrance.kind() != EntranceKind::VertexFace)
+            .for_each(|contact| contact.entrance = Entrance::of_kind(EntranceKind::VertexFace, [0, 0])),
         "corners" => contacts.retain(|contact| {
             let (kind, [a, b]) = (contact.kind().name(), contact.key.numbers());
             !(kind.starts_with('v') && edges("a", a) > 4 || kind.ends_with('v') && edges("b", b) > 4)
@@ -123,9 +134,8 @@ fn trick(word: &str, question: &Value) -> Option<String> {
     let chosen = (first ^ (first >> 32) ^ (first >> 47)) % 3 == 1;
     let id = &question["id"];
     match word {
-        "kinds" | "" | "f32" | "territory" | "epsilon" | "order" | "exchanged" | "sign" | "corners" | "thousandth" => {
-            None
-        }
+        "kinds" | "" | "f32" | "territory" | "epsilon" | "order" | "exchanged" | "sign" | "positive" | "negative"
+        | "zero" | "v-f" | "corners" | "thousandth" | "late" => None,
         "second" if id.as_u64().is_some_and(|id| id % 2 == 1) => std::process::exit(3),
         "second" => None,
         "escape" if first == 0 => None,
@@ -158,6 +168,8 @@ fn trick(word: &str, question: &Value) -> Option<String> {
 fn main() -> Result<(), Failure> {
     let word = std::env::args().nth(1).unwrap_or_default();
     let mut out = std::io::stdout().lock();
+    // Of `late`, which answers each question as the one before it.
+    let mut waiting = json!({ "contacts": [] });
     for line in std::io::stdin().lock().lines() {
         let mut question: Value = serde_json::from_str(&line?)?;
         misread(&word, &mut question);
@@ -168,6 +180,9 @@ fn main() -> Result<(), Failure> {
                 Ok(contacts) => json!({ "contacts": contacts.iter().map(written).collect::<Vec<_>>() }),
                 Err(why) => json!({ "unsupported": why.to_string() }),
             };
+            if word == "late" {
+                std::mem::swap(&mut answer, &mut waiting);
+            }
             answer["id"] = question["id"].clone();
             answer.to_string()
         });

@@ -49,6 +49,12 @@ fn each_mistake_is_told() {
         ("epsilon", "equal-ignored", "2048"),
         ("sign", "gap-sign-turned", "512"),
         ("exchanged", "exchanged", "512"),
+        // No gap of these pairs is exactly 0, so the same as `gap-sign-always-positive`, which is told as well.
+        ("positive", "depth-positive", "512"),
+        ("zero", "gap-sign-always-zero", "512"),
+        ("negative", "gap-sign-always-negative", "512"),
+        ("v-f", "entrance-always-v-f", "512"),
+        ("late", "one-answer-late", "512"),
         ("corners", "corners-of-5-edges-left-out", "2048"),
     ] {
         let (rows, said) = diagnosed(dir.path(), mistake, &["--pairs", pairs]);

@@ -1,7 +1,7 @@
 //! What may be wrong with an engine.
 
 use super::question::{PreparedQuestion, Question, Reply};
-use super::{altered_rules, answers, input, parts, states, tolerances};
+use super::{altered_rules, answers, constants, input, parts, states, tolerances};
 use crate::separation_state::ReportedState;
 use rockproof_model::{Contact, ToleranceSet};
 
@@ -52,6 +52,16 @@ pub(super) trait Hypothesis: Send + Sync {
     fn is_about_ties(&self) -> bool {
         false
     }
+
+    /// Whether an answer, right or wrong, shows that it is not what is wrong with the engine.
+    fn is_refuted(&self, _asked: &PreparedQuestion<'_>) -> bool {
+        false
+    }
+
+    /// Whether it leaves part of an answer open: then one that leaves nothing open and explains the same is told alone.
+    fn leaves_open(&self) -> bool {
+        false
+    }
 }
 
 /// Several hypotheses that differ by a number and explain the same, as one.
@@ -78,6 +88,7 @@ pub(super) fn all() -> Vec<Box<dyn Hypothesis>> {
     all.extend(tolerances::all());
     all.extend(parts::all());
     all.extend(altered_rules::all());
+    all.extend(constants::all());
     all
 }
 

@@ -5,6 +5,7 @@ mod tests;
 
 use super::contradictions::{OtherQuestions, contradictions};
 use super::hypothesis::{Hypothesis, all, fits};
+use super::lag::{self, Lag};
 use super::question::{PreparedBlocks, PreparedQuestion, Question, Reply};
 use super::ranges::as_ranges;
 use super::row::{ALL_NEAR_TIES, DiagnosisRow, DiagnosisVerdict};
@@ -29,7 +30,7 @@ pub struct Sample {
 pub type Asking<'a> = &'a (dyn Fn(&[Block; 2], &ToleranceSet) -> Reply + Sync);
 
 /// Fewer answers than this show nothing.
-const MIN_ANSWERS: usize = 3;
+pub(super) const MIN_ANSWERS: usize = 3;
 
 /// Explanations looked for, one after the other: each of what those before it leave over.
 const EXPLANATIONS: usize = 3;
@@ -47,6 +48,8 @@ struct Judged {
     right: Option<bool>,
     /// Whether each hypothesis gives the engine's answer.
     fits: Vec<Option<bool>>,
+    /// The hypotheses that the answer refutes.
+    refuted: BTreeSet<usize>,
     /// [`PreparedQuestion::roundoffs_from_tie`].
     roundoffs: f64,
 }
@@ -77,6 +80,10 @@ impl Against {
 /// is told, right answers that it would have changed are looked for among the `others`.
 pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: OtherQuestions<'_>) -> Vec<DiagnosisRow> {
     let hypotheses = all();
+    let lag = Lag::find(sample, asking);
+    let sample = lag.as_ref().map_or(sample, |lag| &lag.sample);
+    let late = lag.as_ref().map(|lag| &lag.late);
+    let is_late = |at: usize| late.is_some_and(|late| late.contains(&at));
     // A crash, a late answer or one that cannot be read says nothing about contacts, so no hypothesis about contacts can explain it.
     let answered: Vec<&Question> =
         sample.differing.iter().filter(|question| !matches!(question.reply, Reply::Nothing(_))).collect();
@@ -106,12 +113,21 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
         of.iter().copied().filter(|&at| judged[at].fits[number] == Some(true)).collect()
     };
     let everything: Vec<usize> = (0..judged.len()).collect();
-    let mut left: Vec<usize> = everything.iter().copied().filter(|&at| judged[at].right != Some(true)).collect();
-    let alive: Vec<usize> = (0..hypotheses.len()).filter(|&number| !explained(number, &left).is_empty()).collect();
+    let mut left: Vec<usize> =
+        everything.iter().copied().filter(|&at| judged[at].right != Some(true) && !is_late(at)).collect();
+    let is_refuted = |number: usize| judged.iter().any(|one| one.refuted.contains(&number));
+    let alive: Vec<usize> =
+        (0..hypotheses.len()).filter(|&number| !explained(number, &left).is_empty() && !is_refuted(number)).collect();
     let mut against = against(&sample.agreeing, &hypotheses, &alive);
     let mut standing: Vec<usize> =
         alive.iter().copied().filter(|&number| against[number].spares(explained(number, &left).len())).collect();
     let mut rows = Vec::new();
+    if let Some(late) = late {
+        let late: Vec<usize> = late.iter().copied().collect();
+        let example = worst(&late, &judged, &answered);
+        let (hypothesis, sentence) = (lag::NAME.to_owned(), lag::SENTENCE.to_owned());
+        rows.push(DiagnosisRow { hypothesis, sentence, example, ..row(DiagnosisVerdict::Explains, late.len()) });
+    }
     let mut chosen = Vec::new();
     let mut searched = vec![false; hypotheses.len()];
     while chosen.len() < EXPLANATIONS {
@@ -134,6 +150,9 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
         let of_best = explained(best, &left);
         let alike: Vec<usize> =
             standing.iter().copied().filter(|&number| explained(number, &left) == of_best).collect();
+        let leaves_open = |number: &usize| hypotheses[*number].leaves_open();
+        let whole: Vec<usize> = alike.iter().copied().filter(|number| !leaves_open(number)).collect();
+        let alike = if whole.is_empty() { alike } else { whole };
         let questions: Vec<&Question> = of_best.iter().map(|&at| answered[at]).collect();
         let alike = distinct(alike, &hypotheses, &questions);
         let new: Vec<usize> = alike.iter().copied().filter(|&number| !searched[number]).collect();
@@ -167,7 +186,10 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
     let others = [
         (DiagnosisVerdict::Rounding, near),
         (DiagnosisVerdict::Unexplained, unexplained),
-        (DiagnosisVerdict::NotRepeated, everything.into_iter().filter(|&at| judged[at].right == Some(true)).collect()),
+        (
+            DiagnosisVerdict::NotRepeated,
+            everything.into_iter().filter(|&at| judged[at].right == Some(true) && !is_late(at)).collect(),
+        ),
     ];
     for (verdict, answers) in others {
         if !answers.is_empty() {
@@ -202,6 +224,7 @@ fn judge(question: &Question, hypotheses: &[Box<dyn Hypothesis>]) -> Judged {
     Judged {
         right: asked.is_right(),
         fits: hypotheses.iter().map(|hypothesis| fits(&**hypothesis, &asked)).collect(),
+        refuted: (0..hypotheses.len()).filter(|&number| hypotheses[number].is_refuted(&asked)).collect(),
         roundoffs: asked.roundoffs_from_tie(),
     }
 }

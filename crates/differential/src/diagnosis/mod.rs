@@ -5,10 +5,12 @@
 
 mod altered_rules;
 mod answers;
+mod constants;
 mod contradictions;
 mod hypothesis;
 mod input;
 mod judge;
+mod lag;
 mod parts;
 mod question;
 mod ranges;

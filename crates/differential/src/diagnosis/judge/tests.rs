@@ -1,3 +1,6 @@
+mod constants;
+mod lag;
+
 use super::*;
 use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::preset::{self, Preset};
