@@ -22,7 +22,8 @@ use std::path::PathBuf;
   rockproof compare reports/before reports/after --format markdown >> $GITHUB_STEP_SUMMARY
   rockproof compare reports/before reports/after --out reports/change     a page, and the tables as CSV
 
-Exit status: 0 done, 1 a trend that --deny names, 2 a directory is no finished campaign, or is damaged.")]
+Exit status: 0 done, 1 a trend that --deny names, with --deny also an external engine that says less of
+its contacts or runs with nothing in common, 2 a directory is no finished campaign, or is damaged.")]
 pub(crate) struct Compare {
     /// Directory of the run before
     before: PathBuf,
@@ -37,7 +38,7 @@ pub(crate) struct Compare {
     /// Discard the report in that directory; other files there stay
     #[arg(long, requires = "out")]
     overwrite: bool,
-    /// Exit with 1 if a sort of findings has changed so; may be repeated
+    /// Exit with 1 if a sort of findings has changed so, or an external engine says less of its contacts; may be repeated
     #[arg(long, value_enum, value_name = "TREND", value_delimiter = ',')]
     deny: Vec<DeniedTrend>,
 }
@@ -92,7 +93,9 @@ impl Compare {
         let denied = self.deny.iter().any(|denied| comparison.count(denied.trend()) > 0);
         // Where nothing was examined by both, nothing is known; that must not pass a check.
         let unknown = !self.deny.is_empty() && comparison.examined() == 0;
-        Ok(if denied || unknown { ExitStatus::CheckFailed } else { ExitStatus::Passed })
+        // Nor must findings that ended because an engine says less of its contacts.
+        let unsaid = !self.deny.is_empty() && comparison.says_less();
+        Ok(if denied || unknown || unsaid { ExitStatus::CheckFailed } else { ExitStatus::Passed })
     }
 }
 

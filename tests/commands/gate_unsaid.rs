@@ -105,6 +105,12 @@ fn what_an_engine_leaves_unsaid_is_told_by_campaign_report_and_compare() {
     let less = said.lines().find(|line| line.starts_with("mine gave entrances and signs of gaps for "));
     let less = less.unwrap_or_else(|| panic!("{said}{err}"));
     assert!(code == 0 && less.contains(" before, for 0 of ") && less.ends_with("is not compared."), "{less}");
+    // What is not compared any more must not pass for mended; an engine that says more is no regression.
+    for deny in ["new", "more", "other"] {
+        let codes = [["whole", "bare"], ["bare", "whole"], ["whole", "whole"], ["bare", "bare"]]
+            .map(|[one, other]| rockproof_in(dir, &["compare", one, other, "--deny", deny]).0);
+        assert_eq!(codes, [1, 0, 0, 0], "{deny}");
+    }
     let (_, said, _) = rockproof_in(dir, &["compare", "whole", "whole"]);
     assert!(!said.contains("entrances and signs"), "{said}");
 }

@@ -108,6 +108,11 @@ impl RunComparison {
         self.findings.count(trend)
     }
 
+    /// Whether an external engine says less of its contacts than before, so that less is compared.
+    pub fn says_less(&self) -> bool {
+        self.details.iter().any(|change| change.less)
+    }
+
     /// The verdict, what is compared and what it came to.
     pub fn verdict(&self) -> Vec<VerdictLine> {
         let line = |severity, text| VerdictLine { severity, text };

@@ -10,6 +10,7 @@ use super::question::{PreparedBlocks, PreparedQuestion, Question, Reply};
 use super::ranges::as_ranges;
 use super::row::{ALL_NEAR_TIES, DiagnosisRow, DiagnosisVerdict};
 use super::tolerances::probes;
+use crate::contact_detail::ContactDetail;
 use crate::finding::FAR_FROM_TIE;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ToleranceSet};
@@ -125,7 +126,8 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
     if let Some(late) = late {
         let late: Vec<usize> = late.iter().copied().collect();
         let example = worst(&late, &judged, &answered);
-        let (hypothesis, sentence) = (lag::NAME.to_owned(), lag::SENTENCE.to_owned());
+        let questions: Vec<&Question> = late.iter().map(|&at| answered[at]).collect();
+        let (hypothesis, sentence) = (lag::NAME.to_owned(), lag::SENTENCE.to_owned() + &unsaid(&questions));
         rows.push(DiagnosisRow { hypothesis, sentence, example, ..row(DiagnosisVerdict::Explains, late.len()) });
     }
     let mut chosen = Vec::new();
@@ -176,6 +178,9 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
             if let Some(range) = range {
                 (row.hypothesis, row.sentence) = (range.name, range.sentence);
             }
+            if verdict == DiagnosisVerdict::Explains {
+                row.sentence += &unsaid(&questions);
+            }
             rows.push(row);
         }
         chosen.extend(alike.first().copied());
@@ -216,6 +221,12 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
     let agreeing = (sample.agreeing.len() + beside.len()) as u64;
     rows.iter_mut().for_each(|row| row.agreeing = agreeing);
     rows
+}
+
+/// What is said of answers that leave entrances unsaid: they are exact in what they say, which is all that is compared.
+fn unsaid(questions: &[&Question]) -> String {
+    let detail = questions.iter().fold(ContactDetail::default(), |sum, question| sum.plus(question.detail()));
+    detail.incomplete_note().map_or(String::new(), |note| format!(", as far as they go ({note})"))
 }
 
 fn judge(question: &Question, hypotheses: &[Box<dyn Hypothesis>]) -> Judged {

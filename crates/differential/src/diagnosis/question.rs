@@ -3,9 +3,10 @@
 use crate::collision::CollisionQuery;
 use crate::collision::separation::Separation;
 use crate::compare::{AnswerChange, Features, differences};
+use crate::contact_detail::ContactDetail;
 use crate::engine::{Answer, Engine, ExactPair, catch_panic};
 use crate::explain::{ChainLink, nearest_decisions};
-use crate::external::protocol::completed;
+use crate::external::protocol::{UNNAMED, completed};
 use crate::separation_state::{ReportedState, StateComparison};
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
 use rockproof_oracle::{Pair, PreparedBlock};
@@ -45,6 +46,13 @@ impl Question {
     pub fn is_right(&self) -> Option<bool> {
         let prepared = PreparedBlocks::of(&self.blocks);
         PreparedQuestion::new(self, &prepared).is_right()
+    }
+
+    /// How much the engine says of its contacts, but for `gap_m`.
+    pub(super) fn detail(&self) -> ContactDetail {
+        let Reply::Contacts(said) = &self.reply else { return ContactDetail::default() };
+        let entrances = said.iter().filter(|contact| contact.entrance != UNNAMED).count() as u64;
+        ContactDetail { contacts: said.len() as u64, entrances, gap_m: 0 }
     }
 
     /// Whether the blocks have contacts.

@@ -15,6 +15,34 @@ fn pairs() -> Vec<[Block; 2]> {
     boxes.chain([30.0, 45.0, 60.0, 75.0, 90.0].map(|angle| ridges(angle, 0.25))).collect()
 }
 
+/// Where an engine gives no entrance nothing is told of them, nor of signs of gaps, and it is said that there are none.
+#[test]
+fn answers_without_entrances_are_exact_as_far_as_they_go() {
+    let told = |wrong: fn(&mut Contact)| {
+        let reply = |blocks: &[Block; 2], tolerances: &ToleranceSet| {
+            let mut contacts = exactly(blocks, tolerances);
+            contacts.retain(|contact| contact.kind() != rockproof_model::ContactKind::FaceVertex);
+            contacts.iter_mut().for_each(wrong);
+            Reply::Contacts(contacts)
+        };
+        let asked = |blocks: [Block; 2]| {
+            let tolerances = preset::derive(Preset::Auto, &[&blocks[0], &blocks[1]], Precision::F64).expect("a set");
+            let (reply, precision, label) = (reply(&blocks, &tolerances), Precision::F64, String::new());
+            Question { blocks, tolerances, precision, accuracy: 1024, reply, label }
+        };
+        let (agreeing, differing): (Vec<Question>, Vec<Question>) =
+            pairs().into_iter().map(asked).partition(|question| question.is_right() == Some(true));
+        let sample = Sample { all_differing: differing.len() as u64, differing, agreeing };
+        let rows = diagnose("mine", &sample, &reply, &|_| None);
+        (rows[0].hypothesis.clone(), rows[0].words().expect("words"))
+    };
+    let (hypothesis, words) = told(|contact| contact.entrance = crate::external::protocol::UNNAMED);
+    let note = "which are left out, as far as they go (entrances and signs of gaps given for 0 of ";
+    assert!(hypothesis == "f-v-left-out" && words.contains(note), "{hypothesis} {words}");
+    let (hypothesis, words) = told(|_| {});
+    assert!(hypothesis == "f-v-left-out" && !words.contains("as far as"), "{hypothesis} {words}");
+}
+
 /// What is told of an engine that is exact but for what `wrong` does to each contact.
 fn of_wrong(wrong: impl Fn(&mut Contact) + Sync) -> Vec<String> {
     let engine = |blocks: &[Block; 2], tolerances: &ToleranceSet| {
