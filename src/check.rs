@@ -122,7 +122,7 @@ impl ModelArgs {
         let place = || self.tolerances.place(self.file.path());
         let set = spec.derive(&scene.shapes(), precision).with_context(place)?;
         let path = self.file.path().to_path_buf();
-        let checked = CheckedModel::new(path, scene, (spec, set), precision);
+        let checked = CheckedModel::new((path, Some(file.format())), scene, (spec, set), precision);
         let mut model = checked.map_err(|error| match error {
             CheckError::Block { .. } | CheckError::Size { .. } => {
                 anyhow::Error::new(error).context(self.file.path().display().to_string())
@@ -184,6 +184,9 @@ fn table(model: &CheckedModel) -> String {
     out + "\n" + &violations_text(&model.violations)
 }
 
+/// A volume (m³) below which it is printed with an exponent.
+const LEAST_WITH_POINT: f64 = 1e-3;
+
 fn write_blocks(out: &mut String, model: &CheckedModel) -> std::fmt::Result {
     let blocks = &model.scene.blocks;
     let count = model.counts();
@@ -194,7 +197,11 @@ fn write_blocks(out: &mut String, model: &CheckedModel) -> std::fmt::Result {
     writeln!(out, "  vertices  {:>12}", count.vertices)?;
     writeln!(out, "  edges     {:>12}", count.edges)?;
     writeln!(out, "  faces     {:>12}", count.faces)?;
-    writeln!(out, "  volume    {:>12.6} m³", count.volume)?;
+    // Of a model of a millimetre no digit would be left after the point.
+    match count.volume {
+        volume if volume > 0.0 && volume < LEAST_WITH_POINT => writeln!(out, "  volume    {volume:>12.5e} m³")?,
+        volume => writeln!(out, "  volume    {volume:>12.6} m³")?,
+    }
     write!(out, "{}", model.extents.lines())?;
     let [faces, vertices] = count.merged;
     if faces + vertices > 0 {

@@ -50,6 +50,20 @@ fn a_model_in_millimetres_is_doubted_and_can_be_scaled() {
     assert!(code == 2 && err.contains("TOML"), "{err}");
 }
 
+/// A cube of a millimetre was said to have a volume of 0.000000 m³.
+#[test]
+fn a_small_volume_is_told_in_significant_digits() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let file = dir.path().join("cube.toml");
+    for (size, told) in [(0.001, "1.00000e-9"), (0.0625, "2.44141e-4"), (0.5, "0.125000")] {
+        fs::write(&file, format!("[[block]]\nbox = {{ min = [0, 0, 0], max = [{size}, {size}, {size}] }}\n"))
+            .expect("write");
+        let (_, out, err) = rockproof(&["check", &file.to_string_lossy()]);
+        let row = out.lines().find(|line| line.trim_start().starts_with("volume"));
+        assert_eq!(row, Some(format!("  volume    {told:>12} m³").as_str()), "{out}{err}");
+    }
+}
+
 /// The cube of side 4 with its top drawn in to an apex: a pit above the floor, and through it below.
 fn cube_with_apex(height: i32) -> String {
     let base = "[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [0, 0, 4], [4, 0, 4], [4, 4, 4], [0, 4, 4]";
