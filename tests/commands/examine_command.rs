@@ -156,6 +156,18 @@ fn units_of_a_scene_in_toml_are_not_settled_by_scale() {
     let advice = "if the scene has millimetres, make it anew from what it was made of, with lengths times 1/1000";
     assert!(out.contains(advice) && !format!("{out}{err}").contains("--scale 1/1000"), "{out}{err}");
     assert!(out.ends_with("next: rockproof check large.toml\n"), "{out}");
+    // On stdin, and by another name, it is a scene as well.
+    let text = place.read("large.toml");
+    place.file("large.txt", &text);
+    for (stdin, args) in [
+        (text.as_str(), &["check", "-"][..]),
+        (&text, &["examine", "-", "--no-tune", "--out", "piped"]),
+        ("", &["check", "large.txt", "--input-format", "toml"]),
+    ] {
+        let (_, out, err) = place.piped(stdin.as_bytes(), args);
+        let said = format!("{out}{err}");
+        assert!(said.contains(advice) && !said.contains("--scale 1/1000"), "{args:?}: {said}");
+    }
     let (code, out, err) =
         place.run(&["examine", "large.toml", "--no-tune", "--out", "found", "--overwrite", "--scale", "1"]);
     assert!(code == 0 && out.starts_with("safe: "), "{out}{err}");

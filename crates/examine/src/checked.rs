@@ -3,6 +3,7 @@
 use crate::extents::Extents;
 use crate::unused_laws::unused_laws;
 use rockproof_model::block::LARGEST_COORDINATE;
+use rockproof_model::scene::SceneFormat;
 use rockproof_model::simulation::Body;
 use rockproof_model::tolerance_rules::{self, BEYOND_F64, Fall, Thin, Warning};
 use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Vec3, Violation};
@@ -15,6 +16,8 @@ use std::path::PathBuf;
 pub struct CheckedModel {
     /// The file, as messages and results name it.
     pub file: PathBuf,
+    /// The format it was read as, where it was read from a file.
+    pub format: Option<SceneFormat>,
     /// What was read.
     pub scene: Scene,
     /// The tolerances asked for.
@@ -78,12 +81,12 @@ pub enum CheckError {
 }
 
 impl CheckedModel {
-    /// Compares the tolerances of a scene with the rules.
+    /// Compares the tolerances of a scene with the rules. The file is named as in messages and results, with the format it was read as.
     ///
     /// # Errors
     /// Where a coordinate or a tolerance overflows in the precision.
     pub fn new(
-        file: PathBuf,
+        (file, format): (PathBuf, Option<SceneFormat>),
         scene: Scene,
         (spec, set): (ToleranceSpec, ToleranceSet),
         precision: Precision,
@@ -108,13 +111,14 @@ impl CheckedModel {
         );
         let warnings = tolerance_rules::warnings(&set, &scene);
         let notes = extents
-            .unit_warning(&file)
+            .unit_warning(format)
             .into_iter()
             .chain(ignored_of_fixed(&scene))
             .chain(unused_laws(&scene))
             .collect();
         Ok(CheckedModel {
             file,
+            format,
             scene,
             spec,
             set,

@@ -3,7 +3,6 @@
 use num_traits::ToPrimitive;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Number, Scene};
-use std::path::Path;
 
 /// Blocks are between these sizes in metres (the cube root of the volume) unless the units are others: more than half of them, and at least three, or all.
 const SIZES: [f64; 2] = [1e-3, 100.0];
@@ -111,14 +110,14 @@ impl Extents {
         })
     }
 
-    /// Why the units may be others than metres, if they look so. `file` tells a scene in TOML, of which no `--scale` is taken.
-    pub fn unit_warning(&self, file: &Path) -> Option<String> {
+    /// Why the units may be others than metres, if they look so. A scene in TOML takes no `--scale`.
+    pub fn unit_warning(&self, format: Option<SceneFormat>) -> Option<String> {
         let factor = self.factor()?;
         let [least, most] = self.sizes;
         let (what, size, than) =
             if least > SIZES[1] { ("millimetres", least, "larger") } else { ("kilometres", most, "smaller") };
         let size = short(size);
-        let remedy = if SceneFormat::of_path(file) == Some(SceneFormat::Toml) {
+        let remedy = if format == Some(SceneFormat::Toml) {
             format!("if the scene has {what}, make it anew from what it was made of, with lengths times {factor}")
         } else {
             format!(

@@ -24,7 +24,7 @@ pub(crate) fn next_command(
     let out = if naming.is_usual_dir { String::new() } else { format!(" --out {}", quoted_path(dir)) };
     if units {
         // A scene in TOML takes no other factor than 1.
-        if naming.read.contains("--scale") || SceneFormat::of_path(&found.model.file) == Some(SceneFormat::Toml) {
+        if naming.read.contains("--scale") || found.model.format == Some(SceneFormat::Toml) {
             return naming.show_all();
         }
         let factor = found.model.extents.factor().unwrap_or("1");

@@ -155,8 +155,8 @@ mod tests {
         let scene = Scene::parse(&text, SceneFormat::Toml, Path::new("model.toml")).expect("a scene");
         let spec = scene.tolerances.clone().unwrap_or_default();
         let set = spec.derive(&scene.shapes(), Precision::F64).expect("a set");
-        let model =
-            CheckedModel::new(PathBuf::from("model.toml"), scene, (spec, set), Precision::F64).expect("a model");
+        let model = CheckedModel::new((PathBuf::from("model.toml"), None), scene, (spec, set), Precision::F64)
+            .expect("a model");
         let settings = Settings { steps: Some(1), candidates: 0, threads: 1 };
         let examined = examine(model, &settings, &WorkProgress::default(), &AtomicBool::new(false));
         examined.expect("an examination").expect("an end").given

@@ -54,7 +54,7 @@ impl Verdict {
     /// The answer for a model that commands name so.
     pub fn of(found: &Examination, cases: &[KeptCase], naming: &Naming) -> Verdict {
         let precision = found.model.precision;
-        let doubt = found.model.extents.unit_warning(&found.model.file).filter(|_| !naming.units_are_meant);
+        let doubt = found.model.extents.unit_warning(found.model.format).filter(|_| !naming.units_are_meant);
         let may_be_safe = doubt.is_none() && found.model.coarse.is_none();
         let is_safe = may_be_safe && found.given.is_safe(precision);
         let with_other = may_be_safe && found.recommended().is_some_and(|other| other.is_safe(precision));

@@ -25,7 +25,7 @@ fn model(sunk: &str) -> CheckedModel {
 fn checked(scene: Scene, precision: Precision) -> Result<CheckedModel, CheckError> {
     let spec = scene.tolerances.clone().unwrap_or_default();
     let set = spec.derive(&scene.shapes(), precision).expect("a set");
-    CheckedModel::new(PathBuf::from("model.toml"), scene, (spec, set), precision)
+    CheckedModel::new((PathBuf::from("model.toml"), None), scene, (spec, set), precision)
 }
 
 fn examined(model: CheckedModel, seen: &WorkProgress) -> Option<Examination> {

@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use rockproof_differential::external::spec::quoted;
 use rockproof_examine as lib;
 use rockproof_model::Number;
-use rockproof_model::scene::write_toml;
+use rockproof_model::scene::{SceneFormat, write_toml};
 use rockproof_report::table::{Table, TableCell};
 use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Start};
 use std::path::{Path, PathBuf};
@@ -205,7 +205,8 @@ pub(crate) fn run_examination(
     let examined = interruptible_with(py, tick, |stop| {
         let set = set_for(&spec, &model.scene.shapes(), precision).map_err(|error| model.at(error))?;
         let name = model.path.clone().unwrap_or_else(|| PathBuf::from(MODEL));
-        let checked = lib::CheckedModel::new(name, model.scene.clone(), (spec, set), precision)
+        let format = SceneFormat::of_path(&name);
+        let checked = lib::CheckedModel::new((name, format), model.scene.clone(), (spec, set), precision)
             .map_err(|error| model.at(input_error(error)))?;
         let found = lib::examine(checked, &settings, &seen, stop).map_err(|error| model.at(input_error(error)))?;
         Ok::<_, PyErr>(found.map(|found| {
