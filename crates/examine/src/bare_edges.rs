@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use rockproof_model::block::{Point, face_normal};
 use rockproof_model::decision::{Feature, Side};
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
-use rockproof_model::{Block, Contact, EdgeId, Number, Scene, SceneBlock, ToleranceSet, Vec3, VertexId};
+use rockproof_model::{Block, Contact, EdgeId, FaceId, Number, Scene, SceneBlock, ToleranceSet, Vec3, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -88,6 +88,9 @@ struct NearShape<'s> {
     reflex: Vec<EdgeId>,
     bounds: NearBox,
     prepared: OnceLock<PreparedBlock>,
+    exact: OnceLock<Vec<Vec3<BigRational>>>,
+    /// Of each face, as far as asked for.
+    normals: Vec<OnceLock<Vec3<BigRational>>>,
 }
 
 /// A box in f64.
@@ -107,7 +110,9 @@ impl NearShape<'_> {
     fn of(block: &Block) -> NearShape<'_> {
         let points: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(Number::approximate)).collect();
         let reflex = block.topology().edge_ids().filter(|&edge| !block.edge_is_convex(edge)).collect();
-        NearShape { block, reflex, bounds: NearBox::of(&points), points, prepared: OnceLock::new() }
+        let normals = vec![OnceLock::new(); block.topology().faces().len()];
+        let (prepared, exact) = (OnceLock::new(), OnceLock::new());
+        NearShape { block, reflex, bounds: NearBox::of(&points), points, prepared, exact, normals }
     }
 
     fn at(&self, vertex: VertexId) -> &Point {
@@ -116,6 +121,15 @@ impl NearShape<'_> {
 
     fn edge_box(&self, edge: [VertexId; 2]) -> NearBox {
         NearBox::of(&edge.map(|end| self.points[end.index()]))
+    }
+
+    /// The vertices.
+    fn exact(&self) -> &[Vec3<BigRational>] {
+        self.exact.get_or_init(|| self.block.vertices().iter().map(|v| v.map(Number::to_rational)).collect())
+    }
+
+    fn normal(&self, face: FaceId) -> &Vec3<BigRational> {
+        self.normals[face.index()].get_or_init(|| face_normal(self.exact(), self.block.topology().face(face)))
     }
 
     fn prepared(&self) -> &PreparedBlock {
@@ -162,11 +176,12 @@ fn of_pair(
         return Vec::new();
     }
     let contacts = Pair::new(shapes[0].prepared(), shapes[1].prepared()).classify(set).contacts;
-    let is_borne = |one: &AtEdge| {
+    let mut between = Between { shapes, known: BTreeMap::new() };
+    let mut is_borne = |one: &AtEdge| {
         let of_vertex = || contacts.iter().filter(|contact| contact.key.features().contains(&one.vertex));
         let on_face = |face: &Feature| of_vertex().any(|contact| contact.entrance.features().contains(face));
         let touches = one.faces.as_ref().map_or_else(|| of_vertex().next().is_some(), |both| both.iter().all(on_face));
-        touches || is_borne_around(shapes, one.vertex, &contacts)
+        touches || is_borne_around(&mut between, one.vertex, &contacts)
     };
     let mut bare: Vec<BareEdge> = at.into_iter().filter(|one| !is_borne(one)).map(|one| one.bare).collect();
     bare.dedup();
@@ -182,38 +197,41 @@ fn at_edges(
 ) -> Vec<AtEdge> {
     let is_near = |one: &NearBox, bounds: &NearBox| one.may_be_within(bounds, territory.near);
     let of_edge = |edge: &EdgeId| owner.block.topology().edge(*edge);
-    let reflex: Vec<&EdgeId> = owner
+    let with_box = |shape: &NearShape<'_>, ends: [VertexId; 2]| (ends, shape.edge_box(ends));
+    let near = |shape: &NearShape<'_>, bounds: &NearBox, all: &mut dyn Iterator<Item = [VertexId; 2]>| {
+        let all = all.map(|ends| with_box(shape, ends));
+        all.filter(|(_, own)| is_near(own, bounds)).collect::<Vec<([VertexId; 2], NearBox)>>()
+    };
+    let reflex: Vec<(&EdgeId, NearBox)> = owner
         .reflex
         .iter()
-        .filter(|edge| is_near(&owner.edge_box([of_edge(edge).p, of_edge(edge).q]), &second.bounds))
+        .map(|edge| (edge, owner.edge_box([of_edge(edge).p, of_edge(edge).q])))
+        .filter(|(_, own)| is_near(own, &second.bounds))
         .collect();
     if reflex.is_empty() {
         return Vec::new();
     }
-    let point_box = |shape: &NearShape<'_>, vertex: VertexId| shape.edge_box([vertex; 2]);
-    let vertices: Vec<VertexId> = second
-        .block
-        .topology()
-        .vertex_ids()
-        .filter(|&vertex| is_near(&point_box(second, vertex), &owner.bounds))
-        .collect();
-    let ends_of = second.block.topology().edges().iter().map(|edge| [edge.p, edge.q]);
-    let edges: Vec<[VertexId; 2]> = ends_of.filter(|&edge| is_near(&second.edge_box(edge), &owner.bounds)).collect();
-    let is_at = |(shape, vertex): (&NearShape<'_>, VertexId), (with, edge): (&NearShape<'_>, [VertexId; 2])| {
-        is_near(&point_box(shape, vertex), &with.edge_box(edge))
-            && is_within(shape.at(vertex), &edge.map(|end| with.at(end)), &territory.exact)
-    };
+    let topology = second.block.topology();
+    let vertices = near(second, &owner.bounds, &mut topology.vertex_ids().map(|vertex| [vertex; 2]));
+    let edges = near(second, &owner.bounds, &mut topology.edges().iter().map(|edge| [edge.p, edge.q]));
     let mut found = Vec::new();
-    for id in reflex {
+    for (id, bounds) in reflex {
         let edge = of_edge(id);
         let ends = [edge.p, edge.q];
         let bare = BareEdge { block, edge: ends, other };
         let faces = [edge.left, edge.right].map(|face| Feature::Face(own_side, face));
-        for &vertex in vertices.iter().filter(|&&vertex| is_at((second, vertex), (owner, ends))) {
-            found.push(AtEdge { bare: bare.clone(), vertex: Feature::Vertex(side, vertex), faces: Some(faces) });
+        let on_edge = ends.map(|end| owner.at(end));
+        for &([vertex, _], own) in &vertices {
+            if is_near(&own, &bounds) && is_within(second.at(vertex), &on_edge, &territory.exact) {
+                found.push(AtEdge { bare: bare.clone(), vertex: Feature::Vertex(side, vertex), faces: Some(faces) });
+            }
         }
         for end in ends {
-            if edges.iter().any(|&edge| is_at((owner, end), (second, edge))) {
+            let (_, own) = with_box(owner, [end; 2]);
+            let is_at = |(edge, bounds): &([VertexId; 2], NearBox)| {
+                is_near(&own, bounds) && is_within(owner.at(end), &edge.map(|end| second.at(end)), &territory.exact)
+            };
+            if edges.iter().any(is_at) {
                 found.push(AtEdge { bare: bare.clone(), vertex: Feature::Vertex(own_side, end), faces: None });
             }
         }
@@ -221,24 +239,48 @@ fn at_edges(
     found
 }
 
+/// Whether planes of faces have two blocks on different sides, each asked once.
+struct Between<'s> {
+    shapes: [&'s NearShape<'s>; 2],
+    /// Of the planes through the first corner of faces, by block and face.
+    known: BTreeMap<(usize, FaceId), bool>,
+}
+
+impl Between<'_> {
+    /// Whether the plane through a vertex along a face of its block has all of the block on one side and all of the other one on
+    /// the other side. Vertices in one plane have one answer.
+    fn is(&mut self, own: usize, face: FaceId, at: &Vec3<BigRational>) -> bool {
+        let shapes = self.shapes;
+        let normal = shapes[own].normal(face);
+        let height = |point: &Vec3<BigRational>| normal.dot(&point.minus(at));
+        let asked = || {
+            shapes[own].exact().iter().all(|point| !height(point).is_positive())
+                && shapes[1 - own].exact().iter().all(|point| !height(point).is_negative())
+        };
+        let first = shapes[own].block.topology().face(face)[0];
+        if !height(&shapes[own].exact()[first.index()]).is_zero() {
+            return asked();
+        }
+        *self.known.entry((own, face)).or_insert_with(asked)
+    }
+}
+
 /// Whether a plane of a face at a vertex of one of two blocks has all of the one block on one side of it and all of the other one on the other side, and the vertex lies within the hull of
 /// vertices in that plane that have contacts on a face in it. All that the blocks have in common then lies in the plane, so what presses them together is along its normal, and a force along it at the vertex is
 /// the sum of such forces at the corners of that hull.
-fn is_borne_around(shapes: [&NearShape<'_>; 2], vertex: Feature, contacts: &[Contact]) -> bool {
+fn is_borne_around(between: &mut Between<'_>, vertex: Feature, contacts: &[Contact]) -> bool {
     let Feature::Vertex(side, vertex) = vertex else { return false };
     let own = usize::from(side == Side::B);
-    let exact =
-        shapes.map(|shape| shape.block.vertices().iter().map(|v| v.map(Number::to_rational)).collect::<Vec<_>>());
+    let shapes = between.shapes;
+    let exact = shapes.map(NearShape::exact);
     let at = &exact[own][vertex.index()];
     let topology = |place: usize| shapes[place].block.topology();
     topology(own).vertex_faces(vertex).iter().any(|&face| {
-        let normal = face_normal(&exact[own], topology(own).face(face));
-        let height = |point: &Vec3<BigRational>| normal.dot(&point.minus(at));
-        let is_between = exact[own].iter().all(|point| !height(point).is_positive())
-            && exact[1 - own].iter().all(|point| !height(point).is_negative());
-        if !is_between {
+        if !between.is(own, face, at) {
             return false;
         }
+        let normal = shapes[own].normal(face);
+        let height = |point: &Vec3<BigRational>| normal.dot(&point.minus(at));
         let place = |side: Side| usize::from(side == Side::B);
         let is_in_plane = |face: &Feature| match *face {
             Feature::Face(side, face) => topology(place(side))
@@ -254,7 +296,7 @@ fn is_borne_around(shapes: [&NearShape<'_>; 2], vertex: Feature, contacts: &[Con
         });
         let arms: Vec<Vec3<BigRational>> =
             vertices.filter(|point| height(point).is_zero()).map(|point| point.minus(at)).collect();
-        surround(&arms, &normal)
+        surround(&arms, normal)
     })
 }
 
