@@ -1,4 +1,4 @@
-//! Axis-parallel boxes: which meet, by a tree, and whether two blocks' boxes share more than their surfaces.
+//! Axis-parallel boxes: which meet, by a tree ([`BoxTree`]), and whether two blocks' boxes share more than their surfaces.
 
 use crate::PreparedBlock;
 use rockproof_model::{Block, Number, VertexId};
@@ -21,7 +21,21 @@ struct Node {
     halves: Option<[usize; 2]>,
 }
 
+/// Boxes in a tree, to find those that meet another without asking all.
+pub(crate) struct BoxTree {
+    boxes: Vec<Box3>,
+    /// The numbers of the boxes, so ordered that those of a node are a range.
+    order: Vec<usize>,
+    /// The root is the last.
+    nodes: Vec<Node>,
+}
+
 impl Box3 {
+    /// The box between two ends of each axis.
+    pub(crate) fn between(ends: [[f64; 2]; 3]) -> Box3 {
+        Box3 { low: ends.map(|[low, _]| low), high: ends.map(|[_, high]| high) }
+    }
+
     /// The box of a block, grown by `margin` to all sides and rounded outwards.
     pub(crate) fn around(prepared: &PreparedBlock, margin: f64) -> Box3 {
         // Once for coordinates rounded to f64, once for the difference.
@@ -59,7 +73,8 @@ impl Box3 {
         one.with(&two)
     }
 
-    fn meets(&self, other: &Box3) -> bool {
+    /// Whether the boxes share a point, **touching included**.
+    pub(crate) fn meets(&self, other: &Box3) -> bool {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 
@@ -78,14 +93,43 @@ impl Box3 {
 
 /// The pairs of boxes that meet, **touching included**, the lower number first, in no particular order.
 pub(crate) fn meeting_pairs(boxes: &[Box3]) -> Vec<[usize; 2]> {
-    let mut order: Vec<usize> = (0..boxes.len()).collect();
-    let mut nodes = Vec::new();
+    let tree = BoxTree::new(boxes.to_vec());
     let mut found = Vec::new();
-    if !boxes.is_empty() {
-        let root = build(boxes, &mut order, 0, &mut nodes);
-        visit(&Tree { boxes, order: &order, nodes: &nodes }, [root, root], &mut found);
+    if let Some(root) = tree.root() {
+        visit(&tree, [root, root], &mut found);
     }
     found
+}
+
+impl BoxTree {
+    pub(crate) fn new(boxes: Vec<Box3>) -> BoxTree {
+        let mut order: Vec<usize> = (0..boxes.len()).collect();
+        let mut nodes = Vec::new();
+        if !boxes.is_empty() {
+            build(&boxes, &mut order, 0, &mut nodes);
+        }
+        BoxTree { boxes, order, nodes }
+    }
+
+    fn root(&self) -> Option<usize> {
+        self.nodes.len().checked_sub(1)
+    }
+
+    /// The numbers of the boxes that meet one, **touching included**, in no particular order.
+    pub(crate) fn meeting(&self, asked: &Box3) -> Vec<usize> {
+        let (mut open, mut found) = (Vec::from_iter(self.root()), Vec::new());
+        while let Some(node) = open.pop() {
+            let node = &self.nodes[node];
+            if !node.bounds.meets(asked) {
+                continue;
+            }
+            match node.halves {
+                Some(halves) => open.extend(halves),
+                None => found.extend(node.members(self).iter().filter(|&&k| self.boxes[k].meets(asked))),
+            }
+        }
+        found
+    }
 }
 
 /// Makes the node of the boxes `order`, which begin at `start` of all, halved by their middles along the axis along which
@@ -110,14 +154,8 @@ fn build(boxes: &[Box3], order: &mut [usize], start: usize, nodes: &mut Vec<Node
     nodes.len() - 1
 }
 
-struct Tree<'t> {
-    boxes: &'t [Box3],
-    order: &'t [usize],
-    nodes: &'t [Node],
-}
-
 /// Finds the pairs of one box of each of two nodes, which are the same node or share no box.
-fn visit(tree: &Tree<'_>, [one, two]: [usize; 2], found: &mut Vec<[usize; 2]>) {
+fn visit(tree: &BoxTree, [one, two]: [usize; 2], found: &mut Vec<[usize; 2]>) {
     let nodes = [one, two].map(|k| &tree.nodes[k]);
     if !nodes[0].bounds.meets(&nodes[1].bounds) {
         return;
@@ -154,7 +192,7 @@ impl Node {
         self.range[1] - self.range[0]
     }
 
-    fn members<'t>(&self, tree: &Tree<'t>) -> &'t [usize] {
+    fn members<'t>(&self, tree: &'t BoxTree) -> &'t [usize] {
         &tree.order[self.range[0]..self.range[1]]
     }
 }
@@ -201,6 +239,13 @@ mod tests {
             let apart = |one: &Box3, two: &Box3| (0..3).any(|k| one.high[k] < two.low[k] || two.high[k] < one.low[k]);
             let expected: Vec<_> = pairs.filter(|&[i, j]| !apart(&boxes[i], &boxes[j])).collect();
             assert_eq!(found, expected);
+            let tree = BoxTree::new(boxes.clone());
+            for asked in &boxes {
+                let mut found = tree.meeting(asked);
+                found.sort_unstable();
+                let expected: Vec<usize> = (0..count).filter(|&k| !apart(asked, &boxes[k])).collect();
+                assert_eq!(found, expected);
+            }
             assert!(count < 40 || !found.is_empty());
         }
     }

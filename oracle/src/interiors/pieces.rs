@@ -1,4 +1,10 @@
 //! A triangle of a surface cut along what meets it.
+//!
+//! What another triangle shares with the plane of the one to be cut, the base, is a segment, or for one in the plane its three
+//! edges. A part of the base is cut along a segment's line only where the segment passes through the part's inside, so that no
+//! segment passes through the inside of a piece in the end. The parts are convex. The inside of a convex polygon and a segment
+//! share no point exactly where the line of a side of the polygon or that of the segment separates them, as it is with all
+//! convex polygons in a plane: their difference, the polygon's points less the segment's, has no sides in other directions.
 
 use super::surfaces::{HomogeneousPoint, Surfaces, Triangle, ball};
 use crate::number::Ball;
@@ -7,6 +13,7 @@ use num_traits::Zero;
 use rockproof_model::block::Point;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Sign, Vec3, VertexId};
+use std::cell::OnceCell;
 use std::rc::Rc;
 
 /// A vector of three homogeneous coordinates in the plane of two of the axes.
@@ -28,190 +35,260 @@ impl Homogeneous {
     }
 }
 
-/// A convex polygon: each corner, its last coordinate above zero, with the number of the line from it to the next.
-type Polygon = Vec<(Rc<Homogeneous>, usize)>;
+/// A side of a convex polygon.
+#[derive(Clone)]
+struct Side {
+    line: Rc<Homogeneous>,
+    /// The sign of the line's product with points inside.
+    inner: Sign,
+}
 
-/// The plane of a triangle, seen along an axis to which it is not parallel.
-struct Plane<'s> {
+/// A convex polygon: each corner, its last coordinate above zero, with the side from it to the next.
+#[derive(Clone)]
+struct Polygon {
+    corners: Vec<(Rc<Homogeneous>, Side)>,
+    /// Whether it is the whole base.
+    is_whole: bool,
+}
+
+/// What a triangle shares with the plane of the base.
+struct Segment {
+    line: Rc<Homogeneous>,
+    /// Their last coordinates are above zero.
+    ends: [Homogeneous; 2],
+}
+
+/// The plane of a triangle, the base, seen along an axis to which it is not parallel.
+pub(super) struct Plane<'s> {
     surfaces: &'s Surfaces,
     base: &'s Triangle,
     /// The axis left out.
     axis: usize,
-    /// Which triangles are in it.
-    holds: Vec<bool>,
-    /// Lines in it: the triangle's edges, then those to cut along.
-    lines: Vec<Homogeneous>,
+    /// Of each block what its triangles share with the plane, but for what misses the base's inside for sure, as far as asked
+    /// for.
+    segments: [OnceCell<Vec<Segment>>; 2],
 }
 
-/// A part of a triangle through which no triangle passes.
+/// A part of a triangle.
 pub(super) struct Piece<'s> {
     plane: &'s Plane<'s>,
-    /// Its corners, of the piece that is the whole triangle those of the triangle.
-    polygon: &'s Polygon,
-}
-
-/// Whether one of a triangle's pieces is as asked.
-pub(super) fn any(surfaces: &Surfaces, base: usize, asked: impl Fn(&Piece<'_>) -> bool) -> bool {
-    let plane = Plane::of(surfaces, base);
-    let corners = plane.base.corners.map(|v| plane.flat(surfaces.vertex(plane.base.block, v)));
-    let corners = corners.map(|[u, v]| Rc::new(Homogeneous::new(Vec3::new(u, v, BigInt::from(1)))));
-    let polygon = corners.into_iter().enumerate().map(|(edge, corner)| (corner, edge)).collect();
-    plane.any_piece(polygon, 3, &asked)
+    polygon: Polygon,
 }
 
 impl<'s> Plane<'s> {
-    fn of(surfaces: &'s Surfaces, base: usize) -> Plane<'s> {
-        let sides = surfaces.sides(&surfaces.triangles()[base]);
+    /// The plane of a triangle of a surface.
+    pub(super) fn of(surfaces: &'s Surfaces, base: usize) -> Plane<'s> {
         let base = &surfaces.triangles()[base];
         let across = base.across(surfaces).components();
         let axis = (0..3).max_by_key(|&axis| across[axis].magnitude()).unwrap_or(0);
-        let mut plane = Plane { surfaces, base, axis, holds: Vec::new(), lines: Vec::new() };
-        let [a, b, c] = base.corners;
-        for edge in [[a, b], [b, c], [c, a]] {
-            plane.add_edge(base.block, edge);
-        }
-        for other in surfaces.triangles() {
-            let signs = other.corners.map(|v| sides[other.block][v.index()]);
-            let count = |sign: Sign| signs.iter().filter(|&&s| s == sign).count();
-            plane.holds.push(count(Sign::Zero) == 3);
-            if !std::ptr::eq(base, other) && base.is_near(other) {
-                plane.add_cuts(other, signs, count(Sign::Zero));
-            }
-        }
-        plane
+        Plane { surfaces, base, axis, segments: [OnceCell::new(), OnceCell::new()] }
     }
 
-    /// Adds the lines along which another triangle cuts the base, its vertices being on these sides.
-    fn add_cuts(&mut self, other: &Triangle, signs: [Sign; 3], zeros: usize) {
-        let [a, b, c] = other.corners;
-        let on_plane = |v: VertexId| other.corners.iter().zip(signs).any(|(&own, sign)| own == v && sign.is_zero());
-        if zeros >= 2 {
-            for [p, q] in [[a, b], [b, c], [c, a]] {
+    /// The whole triangle.
+    pub(super) fn whole(&self) -> Piece<'_> {
+        let corners = self.base.corners.map(|v| Rc::new(self.flat_vertex(self.base.block, v)));
+        let side = |k: usize| {
+            let line = Homogeneous::new(corners[k].exact.cross(&corners[(k + 1) % 3].exact));
+            let inner = line.sign_of_product(&corners[(k + 2) % 3]);
+            (corners[k].clone(), Side { line: Rc::new(line), inner })
+        };
+        Piece { plane: self, polygon: Polygon { corners: [side(0), side(1), side(2)].into(), is_whole: true } }
+    }
+
+    /// What the triangles of a block share with the plane.
+    fn segments(&self, block: usize) -> &[Segment] {
+        self.segments[block].get_or_init(|| {
+            let mut segments = Vec::new();
+            for other in self.surfaces.near(block, self.base).filter(|other| !std::ptr::eq(self.base, *other)) {
+                self.add_segments(other, &mut segments);
+            }
+            segments
+        })
+    }
+
+    /// Adds what another triangle shares with the plane, where it may pass through the base.
+    fn add_segments(&self, other: &Triangle, segments: &mut Vec<Segment>) {
+        let signs = self.surfaces.sides(self.base, other);
+        let corners = [0, 1, 2].map(|k| (other.corners[k], signs[k]));
+        let edges = [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]);
+        if signs.iter().filter(|sign| sign.is_zero()).count() >= 2 {
+            for [(p, at_p), (q, at_q)] in edges {
                 let is_own = other.block == self.base.block && [p, q].iter().all(|v| self.base.corners.contains(v));
-                if on_plane(p) && on_plane(q) && !is_own {
-                    self.add_edge(other.block, [p, q]);
+                if at_p.is_zero() && at_q.is_zero() && !is_own {
+                    let ends = [p, q].map(|v| self.flat_vertex(other.block, v));
+                    let line = Rc::new(Homogeneous::new(ends[0].exact.cross(&ends[1].exact)));
+                    segments.push(Segment { line, ends });
                 }
             }
         } else if signs.contains(&Sign::Negative) && signs.contains(&Sign::Positive) {
-            let base = self.base.corners.map(|v| self.surfaces.side(other, self.base.block, v));
+            let base = self.surfaces.sides(other, self.base);
             if base.contains(&Sign::Negative) && base.contains(&Sign::Positive) {
-                self.add_plane(other);
+                let on_plane = corners.into_iter().filter(|(_, sign)| sign.is_zero());
+                let ends = on_plane.map(|(v, _)| self.flat_vertex(other.block, v)).chain(
+                    edges
+                        .into_iter()
+                        .filter(|[(_, at_p), (_, at_q)]| !at_p.is_zero() && *at_q == at_p.reversed())
+                        .map(|edge| self.crossing_of_edge(other.block, edge.map(|(v, _)| v))),
+                );
+                let ends: Result<[Homogeneous; 2], _> = ends.collect::<Vec<_>>().try_into();
+                segments.extend(ends.ok().map(|ends| Segment { line: Rc::new(self.common_line(other)), ends }));
             }
         }
     }
 
-    /// A point without its coordinate along the axis.
-    fn flat(&self, p: &Vec3<BigInt>) -> [BigInt; 2] {
-        [1, 2].map(|k| p.components()[(self.axis + k) % 3].clone())
+    /// A vertex in the plane without its coordinate along the axis.
+    fn flat_vertex(&self, block: usize, vertex: VertexId) -> Homogeneous {
+        let [u, v, _] = self.turned(self.surfaces.vertex(block, vertex));
+        Homogeneous::new(Vec3::new(u.clone(), v.clone(), BigInt::from(1)))
     }
 
     /// A vector with its coordinate along the axis last.
-    fn turned(&self, v: &Vec3<BigInt>) -> [BigInt; 3] {
-        [1, 2, 0].map(|k| v.components()[(self.axis + k) % 3].clone())
+    fn turned<'v>(&self, v: &'v Vec3<BigInt>) -> [&'v BigInt; 3] {
+        [1, 2, 0].map(|k| v.components()[(self.axis + k) % 3])
     }
 
-    /// The line through two points of the plane.
-    fn add_edge(&mut self, block: usize, vertices: [VertexId; 2]) {
-        let [p, q] = vertices.map(|v| {
-            let [u, v] = self.flat(self.surfaces.vertex(block, v));
-            Vec3::new(u, v, BigInt::from(1))
-        });
-        self.lines.push(Homogeneous::new(p.cross(&q)));
+    /// Where an edge passes through the plane, its vertices being on different sides.
+    fn crossing_of_edge(&self, block: usize, vertices: [VertexId; 2]) -> Homogeneous {
+        let [p, q] = vertices.map(|v| self.surfaces.vertex(block, v));
+        let first = self.surfaces.vertex(self.base.block, self.base.corners[0]);
+        let [at_p, at_q] = [p, q].map(|end| self.base.across(self.surfaces).dot(&end.minus(first)));
+        let [[pu, pv, _], [qu, qv, _]] = [p, q].map(|end| self.turned(end));
+        homogeneous_point(Vec3::new(pu * &at_q - qu * &at_p, pv * &at_q - qv * &at_p, at_q - at_p))
     }
 
     /// The line that another triangle's plane shares with this one.
-    fn add_plane(&mut self, other: &Triangle) {
+    fn common_line(&self, other: &Triangle) -> Homogeneous {
         let ((n, d), (m, e)) = (self.equation(self.base), self.equation(other));
-        let [nu, nv, nw] = self.turned(&n);
-        let [mu, mv, mw] = self.turned(&m);
-        let line = Vec3::new(mu * &nw - &mw * nu, mv * &nw - &mw * nv, mw * d - e * nw);
-        self.lines.push(Homogeneous::new(line));
+        let ([nu, nv, nw], [mu, mv, mw]) = (self.turned(n), self.turned(m));
+        Homogeneous::new(Vec3::new(mu * nw - mw * nu, mv * nw - mw * nv, mw * d - e * nw))
     }
 
     /// The n and d of a triangle's plane `n·p = d`.
-    fn equation(&self, triangle: &Triangle) -> (Vec3<BigInt>, BigInt) {
+    fn equation<'t>(&self, triangle: &'t Triangle) -> (&'t Vec3<BigInt>, BigInt) {
         let n = triangle.across(self.surfaces);
-        (n.clone(), n.dot(self.surfaces.vertex(triangle.block, triangle.corners[0])))
+        (n, n.dot(self.surfaces.vertex(triangle.block, triangle.corners[0])))
     }
 
     /// The point of the plane above a point of the flat polygon.
     fn point_above(&self, flat: &Vec3<BigInt>) -> HomogeneousPoint {
         let (n, d) = self.equation(self.base);
-        let [nu, nv, nw] = self.turned(&n);
+        let [nu, nv, nw] = self.turned(n);
         let last = d * &flat.z - nu * &flat.x - nv * &flat.y;
         let mut along = [BigInt::zero(), BigInt::zero(), BigInt::zero()];
-        along[(self.axis + 1) % 3] = &flat.x * &nw;
-        along[(self.axis + 2) % 3] = &flat.y * &nw;
+        along[(self.axis + 1) % 3] = &flat.x * nw;
+        along[(self.axis + 2) % 3] = &flat.y * nw;
         along[self.axis] = last;
         let [x, y, z] = along;
         HomogeneousPoint::new(Vec3::new(x, y, z), &flat.z * nw)
     }
+}
 
-    /// Cuts a polygon along the lines from one on, and asks about the pieces.
-    fn any_piece(&self, polygon: Polygon, from: usize, asked: &dyn Fn(&Piece<'_>) -> bool) -> bool {
-        for line in from..self.lines.len() {
-            if let Some(halves) = self.split(&polygon, line) {
-                return halves.into_iter().any(|half| self.any_piece(half, line + 1, asked));
-            }
-        }
-        asked(&Piece { plane: self, polygon: &polygon })
+impl Polygon {
+    fn signs(&self, line: &Homogeneous) -> Vec<Sign> {
+        self.corners.iter().map(|(corner, _)| line.sign_of_product(corner)).collect()
     }
 
-    /// The parts of a polygon on both sides of a line; `None` where the line does not pass through it.
-    fn split(&self, polygon: &Polygon, line: usize) -> Option<[Polygon; 2]> {
-        let signs: Vec<Sign> = polygon.iter().map(|(corner, _)| self.lines[line].sign_of_product(corner)).collect();
-        if !signs.contains(&Sign::Negative) || !signs.contains(&Sign::Positive) {
-            return None;
-        }
-        let mut halves = [Polygon::new(), Polygon::new()];
-        for (i, (corner, edge)) in polygon.iter().enumerate() {
+    /// Whether a line passes through the inside.
+    fn is_passed_by(&self, line: &Homogeneous) -> bool {
+        let signs = self.signs(line);
+        signs.contains(&Sign::Negative) && signs.contains(&Sign::Positive)
+    }
+
+    /// Whether a segment passes through the inside.
+    fn is_reached_by(&self, segment: &Segment) -> bool {
+        self.is_passed_by(&segment.line)
+            && self
+                .corners
+                .iter()
+                .all(|(_, side)| segment.ends.iter().any(|end| side.line.sign_of_product(end) == side.inner))
+    }
+
+    /// The parts on both sides of a line that passes through the inside: below zero and above.
+    fn split(&self, line: &Rc<Homogeneous>) -> [Polygon; 2] {
+        let signs = self.signs(line);
+        let along = [Sign::Negative, Sign::Positive].map(|inner| Side { line: line.clone(), inner });
+        let mut halves = [Vec::new(), Vec::new()];
+        for (i, (corner, side)) in self.corners.iter().enumerate() {
             let next = signs[(i + 1) % signs.len()];
             let half = |sign: Sign| usize::from(sign.is_positive());
             match (signs[i], next) {
                 (Sign::Zero, next) => {
-                    halves[half(next)].push((corner.clone(), *edge));
-                    halves[half(next.reversed())].push((corner.clone(), line));
+                    let [own, other] = [half(next), half(next.reversed())];
+                    halves[own].push((corner.clone(), side.clone()));
+                    halves[other].push((corner.clone(), along[other].clone()));
                 }
                 (own, next) if next == own.reversed() => {
-                    let crossing = Rc::new(self.crossing(*edge, line));
-                    halves[half(own)].push((corner.clone(), *edge));
-                    halves[half(own)].push((crossing.clone(), line));
-                    halves[half(next)].push((crossing, *edge));
+                    let crossing = Rc::new(homogeneous_point(side.line.exact.cross(&line.exact)));
+                    let [own, next] = [half(own), half(next)];
+                    halves[own].push((corner.clone(), side.clone()));
+                    halves[own].push((crossing.clone(), along[own].clone()));
+                    halves[next].push((crossing, side.clone()));
                 }
-                (own, _) => halves[half(own)].push((corner.clone(), *edge)),
+                (own, _) => halves[half(own)].push((corner.clone(), side.clone())),
             }
         }
-        Some(halves)
-    }
-
-    /// Where two lines that are not parallel meet.
-    fn crossing(&self, one: usize, other: usize) -> Homogeneous {
-        let point = self.lines[one].exact.cross(&self.lines[other].exact);
-        let is_negative = ExactRing::sign(&point.z).is_negative();
-        Homogeneous::new(if is_negative { point.negated() } else { point })
+        halves.map(|corners| Polygon { corners, is_whole: false })
     }
 }
 
+/// A point whose last coordinate is not zero, so that it is above zero.
+fn homogeneous_point(point: Vec3<BigInt>) -> Homogeneous {
+    let is_negative = ExactRing::sign(&point.z).is_negative();
+    Homogeneous::new(if is_negative { point.negated() } else { point })
+}
+
 impl Piece<'_> {
-    /// Whether the piece is its whole triangle: each half of a cut has a side along the cut.
+    /// Whether one of the parts is as asked into which a block's triangles cut the piece: none passes through such a part.
+    ///
+    /// Of the segments that pass through a part, the middle one of the list cuts it, and the others are handed on to the
+    /// halves through which they pass. A segment passes through a half when its line does and one of its ends is on this side
+    /// of the cut: the other sides of the half are sides of the part, which do not separate it.
+    pub(super) fn any_part(&self, block: usize, asked: impl Fn(&Piece<'_>) -> bool) -> bool {
+        let whole = &self.polygon;
+        let reaching: Vec<&Segment> =
+            self.plane.segments(block).iter().filter(|segment| whole.is_reached_by(segment)).collect();
+        let mut open = vec![(whole.clone(), reaching)];
+        while let Some((polygon, mut segments)) = open.pop() {
+            if segments.is_empty() {
+                if asked(&Piece { plane: self.plane, polygon }) {
+                    return true;
+                }
+                continue;
+            }
+            let cut = &segments.swap_remove(segments.len() / 2).line;
+            let ends: Vec<[Sign; 2]> =
+                segments.iter().map(|segment| segment.ends.each_ref().map(|end| cut.sign_of_product(end))).collect();
+            for (half, inner) in polygon.split(cut).into_iter().zip([Sign::Negative, Sign::Positive]) {
+                let here =
+                    segments.iter().zip(&ends).filter(|(_, ends)| ends.contains(&inner)).map(|(segment, _)| *segment);
+                let here = here.filter(|segment| half.is_passed_by(&segment.line)).collect();
+                open.push((half, here));
+            }
+        }
+        false
+    }
+
+    /// Whether the piece is its whole triangle.
     pub(super) fn is_whole(&self) -> bool {
-        self.polygon.iter().all(|(_, edge)| *edge < 3)
+        self.polygon.is_whole
     }
 
     /// The corners in m.
     pub(super) fn corners(&self) -> Vec<Point> {
         let plane = self.plane;
-        self.polygon.iter().map(|(corner, _)| plane.surfaces.in_metres(&plane.point_above(&corner.exact))).collect()
+        let place = |corner: &Homogeneous| plane.surfaces.in_metres(&plane.point_above(&corner.exact));
+        self.polygon.corners.iter().map(|(corner, _)| place(corner)).collect()
     }
 
-    /// Whether it is inside a block next to the piece: below it and above it, as its triangle's vector across points.
+    /// Whether it is inside a block next to the piece, through which none of the block's triangles passes: below it and above
+    /// it, as its triangle's vector across points.
     ///
     /// What holds next to one point of the piece holds next to all but those on lines and in points where triangles stand
-    /// on it. So the point is in no other triangle's plane: weights 1, j, j² of three corners, with the first j for which
-    /// that is so. Each plane excludes two j at most.
+    /// on it. So the point is on no triangle but those in the plane: weights 1, j, j² of three corners, with the first j for which
+    /// that is so. Each other plane excludes two j at most.
     pub(super) fn insides(&self, block: usize) -> [bool; 2] {
         let plane = self.plane;
-        let asked = |place: &HomogeneousPoint| plane.surfaces.insides(block, place, plane.base, &plane.holds);
+        let asked = |place: &HomogeneousPoint| plane.surfaces.insides(block, place, plane.base);
         (1i32..).find_map(|j| asked(&self.point(j))).unwrap_or_default()
     }
 
@@ -225,7 +302,7 @@ impl Piece<'_> {
             let weighted = corners.map(|(&v, w)| self.plane.surfaces.vertex(base.block, v).scaled(w));
             return HomogeneousPoint::new(weighted.fold(Vec3::zero(), |sum, p| sum.plus(&p)), sum);
         }
-        let corners = [0, 1, 2].map(|k| &self.polygon[k].0.exact);
+        let corners = [0, 1, 2].map(|k| &self.polygon.corners[k].0.exact);
         let below = |k: usize| &corners[(k + 1) % 3].z * &corners[(k + 2) % 3].z;
         let flat = (0..3).fold(Vec3::zero(), |flat: Vec3<BigInt>, k| {
             let factor = &weights[k] * below(k);

@@ -1,7 +1,9 @@
 //! The triangles of one or two blocks on one lattice, and signs of what is asked about them.
 
+use super::faces::face_triangles;
+use super::rays::Rays;
+use crate::boxes::{Box3, BoxTree};
 use crate::number::Ball;
-use crate::point_in_surface::triangle_corners;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{ToPrimitive, Zero};
@@ -9,8 +11,9 @@ use rockproof_model::block::Point;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::number::power_of_two;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Number, Ring, Sign, Vec3, VertexId};
+use rockproof_model::{Block, Number, Sign, Vec3, VertexId};
 use std::cell::OnceCell;
+use std::ops::Range;
 
 /// A triangle of a surface; it has an area.
 pub(super) struct Triangle {
@@ -20,7 +23,7 @@ pub(super) struct Triangle {
     pub(super) corners: [VertexId; 3],
     normal: Vec3<Ball>,
     exact_normal: OnceCell<Vec3<BigInt>>,
-    bounds: [[f64; 2]; 3],
+    bounds: Box3,
 }
 
 /// The surfaces of blocks, in lattice units from the first vertex of the first.
@@ -28,19 +31,30 @@ pub(super) struct Surfaces {
     exact: Vec<Vec<Vec3<BigInt>>>,
     near: Vec<Vec<Vec3<Ball>>>,
     triangles: Vec<Triangle>,
-    /// The boxes of the blocks.
-    bounds: Vec<[[f64; 2]; 3]>,
+    blocks: Vec<Body>,
     /// In lattice units.
     origin: Vec3<BigInt>,
     lattice: Lattice,
 }
 
+/// What is kept of a block.
+pub(super) struct Body {
+    /// It certainly holds the block.
+    pub(super) bounds: Box3,
+    /// The numbers of its triangles.
+    triangles: Range<usize>,
+    /// Of its triangles' boxes, in their order.
+    tree: BoxTree,
+    /// Of its triangles seen along rays, in their order.
+    pub(super) rays: Rays,
+}
+
 /// A point: a fraction of lattice units, its denominator above zero.
 pub(super) struct HomogeneousPoint {
-    numerators: Vec3<BigInt>,
-    denominator: BigInt,
-    near: Vec3<Ball>,
-    near_denominator: Ball,
+    pub(super) numerators: Vec3<BigInt>,
+    pub(super) denominator: BigInt,
+    pub(super) near: Vec3<Ball>,
+    pub(super) near_denominator: Ball,
 }
 
 impl Triangle {
@@ -52,14 +66,10 @@ impl Triangle {
         })
     }
 
-    /// Whether the boxes of two triangles meet; may say yes of some that do not.
-    pub(super) fn is_near(&self, other: &Triangle) -> bool {
-        meet(&self.bounds, &other.bounds)
+    /// The vector across.
+    pub(super) fn normal(&self) -> &Vec3<Ball> {
+        &self.normal
     }
-}
-
-fn meet(one: &[[f64; 2]; 3], other: &[[f64; 2]; 3]) -> bool {
-    one.iter().zip(other).all(|(one, other)| one[0] <= other[1] && other[0] <= one[1])
 }
 
 impl Surfaces {
@@ -70,18 +80,23 @@ impl Surfaces {
         let exact: Vec<Vec<_>> = blocks.iter().map(|block| block.vertices().iter().map(place).collect()).collect();
         let near: Vec<Vec<_>> =
             exact.iter().map(|points| points.iter().map(|p| p.map(|c| ball(c, 0))).collect()).collect();
-        let bounds = near.iter().map(|points: &Vec<Vec3<Ball>>| bounds_of(points)).collect();
-        let mut surfaces = Surfaces { exact, near, triangles: Vec::new(), bounds, origin, lattice };
+        let mut surfaces = Surfaces { exact, near, triangles: Vec::new(), blocks: Vec::new(), origin, lattice };
         for (number, block) in blocks.iter().enumerate() {
-            let all = triangle_corners(block).filter_map(|corners| surfaces.triangle(number, corners));
-            let all: Vec<Triangle> = all.collect();
-            surfaces.triangles.extend(all);
+            let first = surfaces.triangles.len();
+            for face in block.topology().faces() {
+                let all = face_triangles(&surfaces, number, face);
+                surfaces.triangles.extend(all);
+            }
+            let triangles = first..surfaces.triangles.len();
+            let boxes = surfaces.triangles[triangles.clone()].iter().map(|triangle| triangle.bounds).collect();
+            let bounds = bounds_of(&surfaces.near[number]);
+            surfaces.blocks.push(Body { bounds, triangles, tree: BoxTree::new(boxes), rays: Rays::default() });
         }
         surfaces
     }
 
     /// The triangle of three vertices, if it has an area.
-    fn triangle(&self, block: usize, corners: [VertexId; 3]) -> Option<Triangle> {
+    pub(super) fn triangle(&self, block: usize, corners: [VertexId; 3]) -> Option<Triangle> {
         let points = corners.map(|v| self.near[block][v.index()]);
         let normal = points[1].minus(&points[0]).cross(&points[2].minus(&points[0]));
         let triangle = Triangle { block, corners, normal, exact_normal: OnceCell::new(), bounds: bounds_of(&points) };
@@ -95,8 +110,24 @@ impl Surfaces {
         &self.triangles
     }
 
-    pub(super) fn blocks(&self) -> usize {
-        self.exact.len()
+    /// The triangles of a block.
+    pub(super) fn of_block(&self, block: usize) -> &[Triangle] {
+        &self.triangles[self.blocks[block].triangles.clone()]
+    }
+
+    pub(super) fn body(&self, block: usize) -> &Body {
+        &self.blocks[block]
+    }
+
+    /// The triangles of a block whose boxes meet that of a triangle: all that meet the triangle are among them.
+    pub(super) fn near(&self, block: usize, triangle: &Triangle) -> impl Iterator<Item = &Triangle> {
+        let near = self.blocks[block].tree.meeting(&triangle.bounds);
+        near.into_iter().map(move |k| &self.of_block(block)[k])
+    }
+
+    /// A vertex as near as f64 holds it.
+    pub(super) fn near_vertex(&self, block: usize, vertex: VertexId) -> &Vec3<Ball> {
+        &self.near[block][vertex.index()]
     }
 
     pub(super) fn vertex(&self, block: usize, vertex: VertexId) -> &Vec3<BigInt> {
@@ -106,7 +137,7 @@ impl Surfaces {
     /// Whether a triangle's box meets that of the other block; may say yes of some that do not.
     pub(super) fn reaches_other(&self, triangle: usize) -> bool {
         let triangle = &self.triangles[triangle];
-        meet(&triangle.bounds, &self.bounds[1 - triangle.block])
+        triangle.bounds.meets(&self.blocks[1 - triangle.block].bounds)
     }
 
     /// On which side of a triangle's plane a vertex is.
@@ -121,114 +152,9 @@ impl Surfaces {
         })
     }
 
-    /// The sides of a triangle's plane of every vertex of every block.
-    pub(super) fn sides(&self, triangle: &Triangle) -> Vec<Vec<Sign>> {
-        let of =
-            |block: usize| (0..self.exact[block].len()).map(VertexId::at).map(move |v| self.side(triangle, block, v));
-        (0..self.blocks()).map(|block| of(block).collect()).collect()
-    }
-
-    /// Whether next to a place in a triangle of some plane it is inside a block: below the plane and above it, as the plane's
-    /// vector across points. `in_plane` tells of which triangles the plane is. `None` where the place is in the plane of
-    /// another triangle.
-    ///
-    /// A ray each way is followed. Its direction is (1, k, k²) or its opposite, with the first k for which its line meets no
-    /// edge and lies in no plane. It leaves the plane at once, so that triangles in it are not crossed.
-    pub(super) fn insides(
-        &self,
-        block: usize,
-        place: &HomogeneousPoint,
-        plane: &Triangle,
-        in_plane: &[bool],
-    ) -> Option<[bool; 2]> {
-        let away = |triangle: &Triangle| {
-            let vector = |v: VertexId| self.way(place, block, v);
-            triangle.corners.map(vector)
-        };
-        // Outside the block's box nothing is inside.
-        if !place.may_be_in(&self.bounds[block]) {
-            return Some([false; 2]);
-        }
-        let others: Vec<&Triangle> = self
-            .triangles
-            .iter()
-            .zip(in_plane)
-            .filter(|(triangle, in_plane)| triangle.block == block && !**in_plane)
-            .map(|(triangle, _)| triangle)
-            .collect();
-        let from: Vec<[Way; 3]> = others.iter().map(|triangle| away(triangle)).collect();
-        let mut before = Vec::with_capacity(others.len());
-        for (triangle, ways) in others.iter().zip(&from) {
-            let near = triangle.normal.dot(&ways[0].near);
-            let sign = near.certain_sign().unwrap_or_else(|| {
-                ExactRing::sign(&triangle.across(self).dot(&self.exact_way(place, block, ways[0].vertex)))
-            });
-            if sign.is_zero() {
-                return None;
-            }
-            before.push(sign);
-        }
-        (1i32..).find_map(|k| {
-            let leaves = self.along(plane, k);
-            if leaves.is_zero() {
-                return None;
-            }
-            let mut odd = [false; 2];
-            for ((triangle, ways), before) in others.iter().zip(&from).zip(&before) {
-                let towards = self.along(triangle, k);
-                if towards.is_zero() {
-                    return None;
-                }
-                if self.line_meets(place, block, ways, k, towards)? {
-                    // Ahead of the place, or behind it.
-                    let ahead = *before == towards;
-                    odd[usize::from(ahead)] ^= true;
-                }
-            }
-            // What is ahead is above the plane where the ray goes up.
-            Some(if leaves.is_positive() { odd } else { [odd[1], odd[0]] })
-        })
-    }
-
-    /// Whether the line through a place along (1, k, k²) passes through a triangle, seen from the place at `ways`; `None`
-    /// where it meets an edge's line at the triangle.
-    fn line_meets(
-        &self,
-        place: &HomogeneousPoint,
-        block: usize,
-        ways: &[Way; 3],
-        k: i32,
-        towards: Sign,
-    ) -> Option<bool> {
-        let mut touches = false;
-        for i in 0..3 {
-            let (p, q) = (&ways[i], &ways[(i + 1) % 3]);
-            let near = p.near.cross(&q.near).dot(&ray(k));
-            let sign = near.certain_sign().unwrap_or_else(|| {
-                let [p, q] = [p, q].map(|way| self.exact_way(place, block, way.vertex));
-                ExactRing::sign(&p.cross(&q).dot(&ray(k)))
-            });
-            if sign == towards.reversed() {
-                return Some(false);
-            }
-            touches |= sign.is_zero();
-        }
-        if touches { None } else { Some(true) }
-    }
-
-    /// The sign of a triangle's vector across along (1, k, k²).
-    fn along(&self, triangle: &Triangle, k: i32) -> Sign {
-        let near = triangle.normal.dot(&ray(k)).certain_sign();
-        near.unwrap_or_else(|| ExactRing::sign(&triangle.across(self).dot(&ray(k))))
-    }
-
-    fn way(&self, place: &HomogeneousPoint, block: usize, vertex: VertexId) -> Way {
-        let vertex_near = self.near[block][vertex.index()];
-        Way { vertex, near: vertex_near.scaled(&place.near_denominator).minus(&place.near) }
-    }
-
-    fn exact_way(&self, place: &HomogeneousPoint, block: usize, vertex: VertexId) -> Vec3<BigInt> {
-        self.exact[block][vertex.index()].scaled(&place.denominator).minus(&place.numerators)
+    /// On which sides of a triangle's plane another's corners are.
+    pub(super) fn sides(&self, triangle: &Triangle, other: &Triangle) -> [Sign; 3] {
+        other.corners.map(|v| self.side(triangle, other.block, v))
     }
 
     /// A point in m.
@@ -238,12 +164,6 @@ impl Surfaces {
         let moved = place.numerators.plus(&self.origin.scaled(&place.denominator));
         moved.map(|c| Number::from_rational(BigRational::new(c * &metres, denominator.clone())))
     }
-}
-
-/// The way from a place to a vertex, times the place's denominator.
-struct Way {
-    vertex: VertexId,
-    near: Vec3<Ball>,
 }
 
 impl HomogeneousPoint {
@@ -257,29 +177,21 @@ impl HomogeneousPoint {
         let near = numerators.map(|c| ball(c, shift));
         HomogeneousPoint { near, near_denominator: ball(&denominator, shift), numerators, denominator }
     }
-
-    /// Whether it may be in a box.
-    fn may_be_in(&self, bounds: &[[f64; 2]; 3]) -> bool {
-        !self.near.components().into_iter().zip(bounds).any(|(c, ends)| {
-            let [low, high] = ends.map(|end| Ball { middle: end, radius: 0.0 }.times(&self.near_denominator));
-            // Of what is no number neither is true.
-            c.plus(&high.negated()).certain_sign() == Some(Sign::Positive)
-                || low.minus(c).certain_sign() == Some(Sign::Positive)
-        })
-    }
 }
 
-fn ray<T: Ring>(k: i32) -> Vec3<T> {
-    let k = T::from_i32(k);
-    Vec3::new(T::from_i32(1), k.clone(), k.squared())
+/// A box that certainly holds points, none of whose coordinates is no number.
+fn bounds_of(points: &[Vec3<Ball>]) -> Box3 {
+    Box3::between([0, 1, 2].map(|axis| ends_of(points.iter().map(|p| *p.components()[axis]))))
 }
 
-fn bounds_of(points: &[Vec3<Ball>]) -> [[f64; 2]; 3] {
-    [0, 1, 2].map(|axis| {
-        points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
-            let c = p.components()[axis];
-            [low.min((c.middle - c.radius).next_down()), high.max((c.middle + c.radius).next_up())]
-        })
+/// The least and the greatest value that some numbers may have; whatever is no number may have any.
+pub(super) fn ends_of(numbers: impl Iterator<Item = Ball>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], c| {
+        let (least, most) = ((c.middle - c.radius).next_down(), (c.middle + c.radius).next_up());
+        if least.is_nan() || most.is_nan() {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        }
+        [low.min(least), high.max(most)]
     })
 }
 
@@ -359,17 +271,17 @@ mod tests {
     #[test]
     fn a_box_holds_points_that_no_f64_is_equal_to() {
         for value in values().into_iter().filter(|value| value.bits() < 1000) {
-            let at = |value: &BigInt| Vec3::new(ball(value, 0), ball(&-value, 0), ball(&BigInt::zero(), 0));
-            let bounds = bounds_of(&[at(&value)]);
-            for ([low, high], c) in bounds.into_iter().zip([value.clone(), -&value, BigInt::zero()]) {
-                let c = BigRational::from(c);
+            for c in [&value, &-&value, &BigInt::zero()] {
+                let [low, high] = ends_of([ball(c, 0)].into_iter());
+                let c = BigRational::from(c.clone());
                 assert!(fraction(low) <= c && c <= fraction(high), "{c}: {low} to {high}");
             }
             // That of more points holds all.
             let zero = BigInt::zero();
-            for [low, high] in [&bounds_of(&[at(&value), at(&zero)])[0], &bounds_of(&[at(&zero), at(&value)])[0]] {
+            for two in [[&value, &zero], [&zero, &value]] {
+                let [low, high] = ends_of(two.into_iter().map(|c| ball(c, 0)));
                 let c = BigRational::from(value.clone());
-                assert!(fraction(*low) <= c.clone().min(BigRational::zero()) && c <= fraction(*high));
+                assert!(fraction(low) <= c.clone().min(BigRational::zero()) && c <= fraction(high));
             }
         }
     }

@@ -1,8 +1,11 @@
+mod plain;
+
 use super::*;
 use crate::convex_cells::cells;
+use crate::point_in_surface::triangle_corners;
 use num_rational::BigRational;
 use rockproof_model::block::Point;
-use rockproof_model::{BlockOptions, Number, Precision};
+use rockproof_model::{BlockOptions, Number, Precision, VertexId};
 
 /// Whether the convex cells of two blocks overlap, those of a block that is not convex being cut by all planes of its faces:
 /// the slow way.
@@ -76,18 +79,22 @@ fn number(n: i32, d: i32) -> Number {
     Number::from_rational(BigRational::new(n.into(), d.into()))
 }
 
-/// Turned about z by the angle of cosine 3/5, then about x by that of cosine 5/13, and rounded to f32: neighbours' faces
-/// that were in one plane are bent by roundoffs.
-fn turned(block: &Block) -> Block {
+/// Turned about z by the angle of cosine 3/5, then about x by that of cosine 5/13, and scaled.
+fn turned_exactly(block: &Block, by: &Number) -> Block {
     let turn = |a: &Number, b: &Number, c: Number, s: Number| {
         (a.times(&c).plus(&b.times(&s).negated()), a.times(&s).plus(&b.times(&c)))
     };
     let vertices = block.vertices().iter().map(|v| {
         let (x, y) = turn(&v.x, &v.y, number(3, 5), number(4, 5));
         let (y, z) = turn(&y, &v.z, number(5, 13), number(12, 13));
-        Vec3::new(x, y, z)
+        Vec3::new(x, y, z).map(|c| c.times(by))
     });
-    block.with_vertices(vertices.collect()).rounded(Precision::F32).unwrap()
+    block.with_vertices(vertices.collect())
+}
+
+/// Turned and rounded to f32: neighbours' faces that were in one plane are bent by roundoffs.
+fn turned(block: &Block) -> Block {
+    turned_exactly(block, &number(1, 1)).rounded(Precision::F32).unwrap()
 }
 
 /// The answer for pairs of one sort, compared with that of the cells: how many meet and how many do not.
@@ -272,4 +279,115 @@ fn surfaces_meet_in_what_both_enclose() {
     let l = prism(&[[0, 0], [4, 0], [4, 2], [2, 2], [2, 4], [0, 4]]);
     let beside = l.translated(&Vec3::new(number(-2, 1), number(-11, 4), number(-1, 1)));
     assert!(!meet_by_surfaces(&l, &beside));
+}
+
+#[test]
+fn a_face_has_other_triangles_only_where_it_is_exactly_in_a_plane() {
+    let [_, l, _, cuboid] = shapes();
+    let are_of_fans = |block: &Block| {
+        let surface = Surfaces::of(&[block]);
+        surface.triangles().iter().map(|triangle| triangle.corners).eq(triangle_corners(block))
+    };
+    // The fan of the L's bottom from its first corner reaches out of it; the reflex corner is moved a little.
+    let mut vertices = l.vertices().to_vec();
+    vertices[3].z = number(1, 1 << 30).times(&number(1, 1 << 30));
+    let uneven = l.with_vertices(vertices);
+    let at_bottom = |corners: &[VertexId; 3]| corners.iter().all(|v| v.index() < 6);
+    let bottom = |block: &Block| -> Vec<[VertexId; 3]> {
+        let surface = Surfaces::of(&[block]);
+        surface.triangles().iter().map(|triangle| triangle.corners).filter(at_bottom).collect()
+    };
+    let fan: Vec<_> = triangle_corners(&uneven).filter(at_bottom).collect();
+    assert!(bottom(&uneven) == fan && bottom(&l) != fan);
+    assert!(!are_of_fans(&l) && are_of_fans(&cuboid));
+}
+
+/// Of a square from 0 to 4 in the top of a box, an L that stands through it has what both have in common.
+#[test]
+fn parts_of_a_face_inside_a_block_are_as_large_as_what_passes_through_it() {
+    let square = prism(&[[0, 0], [4, 0], [4, 4], [0, 4]]);
+    let mut random = Random(7);
+    for k in 0..if cfg!(debug_assertions) { 12 } else { 60 } {
+        let l = &shapes()[k % 2];
+        let [x, y] = [random.below(33) - 16, random.below(33) - 16];
+        let l = l.translated(&Vec3::new(number(x, 4), number(y, 4), number(1, 1)));
+        let surfaces = Surfaces::of(&[&square, &l]);
+        let mut area = BigRational::from_integer(0.into());
+        for base in (0..surfaces.triangles().len()).filter(|&base| {
+            let triangle = &surfaces.triangles()[base];
+            triangle.block == 0 && triangle.corners.iter().all(|v| v.index() >= 4)
+        }) {
+            let areas = std::cell::RefCell::new(Vec::new());
+            let is_last = Plane::of(&surfaces, base).whole().any_part(1, |part| {
+                if part.insides(1) == [true; 2] {
+                    let corners: Vec<_> = part.corners().iter().map(|p| p.map(Number::to_rational)).collect();
+                    let sum = (1..corners.len() - 1).fold(Vec3::zero(), |sum: Vec3<BigRational>, k| {
+                        let [p, q] = [k, k + 1].map(|k| corners[k].minus(&corners[0]));
+                        sum.plus(&p.cross(&q))
+                    });
+                    areas.borrow_mut().push(sum.z);
+                }
+                false
+            });
+            assert!(!is_last);
+            area += areas.into_inner().iter().sum::<BigRational>();
+        }
+        // Twice the areas of the L's parts from 0 to 4 and 0 to 2, and 0 to 2 and 2 to 4; in quarters.
+        let common = |from: i32, length: i32| ((from + length).min(16) - from.max(0)).max(0);
+        let expected = common(x, 16) * common(y, 8) + common(x, 8) * common(y + 8, 8);
+        assert_eq!(area, BigRational::new((2 * expected).into(), 16.into()), "{x} {y}");
+    }
+}
+
+/// Two staircases that fill a cuboid together: faces touch, and both sides lie in two planes.
+fn staircases(steps: i32) -> [Block; 2] {
+    let lower = [[0, 0], [steps, 0]].into_iter().chain((0..steps).rev().flat_map(|k| [[k + 1, k + 1], [k, k + 1]]));
+    let upper = [[steps, steps], [steps, steps + 1], [0, steps + 1]].into_iter();
+    let upper = upper.chain((0..steps).flat_map(|k| [[k, k + 1], [k + 1, k + 1]])).take(2 * steps as usize + 2);
+    [prism(&lower.collect::<Vec<_>>()), prism(&upper.collect::<Vec<_>>())]
+}
+
+/// Staircases one along the steps of the other or off them, and other shapes, on the lattice or off it.
+#[test]
+fn surfaces_say_what_the_plain_way_says() {
+    let mut random = Random(5);
+    let mut counts = [0; 2];
+    let [l, _, v, cuboid] = shapes();
+    for k in 0..24 {
+        let [lower, upper] = staircases(2 + k % 2);
+        let off = |random: &mut Random| match k % 4 {
+            0 => number(random.below(3) - 1, 1),
+            1 => number(random.below(5) - 2, 1 << 20),
+            _ => number(random.below(9) - 4, 2),
+        };
+        let along = off(&mut random);
+        let by = if k % 4 == 0 { [along.clone(), along] } else { [along, off(&mut random)] };
+        let by = Vec3::new(by[0].clone(), by[1].clone(), number(random.below(3) - 1, 1));
+        let two =
+            [[lower.clone(), upper.clone()], [lower.clone(), l.clone()], [upper, v.clone()], [lower, cuboid.clone()]];
+        let [a, b] = two[if k % 3 < 2 { 0 } else { (k / 3) as usize % 4 }].clone();
+        let b = b.translated(&by);
+        let [a, b] = match k % 5 {
+            0 | 1 => [a, b],
+            2 => [a, b].map(|block| turned_exactly(&block, &number(1, 3))),
+            3 => [turned_exactly(&a, &number(7, 2)), b],
+            _ => [random.bent(&a, &number(1, 8)), b],
+        };
+        let expected = plain::meet(&a, &b);
+        assert_eq!([meet(&a, &b), surfaces_meet(&a, &b), surfaces_meet(&b, &a)], [expected; 3], "{k}: {a:?}\n{b:?}");
+        counts[usize::from(expected)] += 1;
+    }
+    assert!(counts.iter().all(|&count| count > 3), "{counts:?}");
+}
+
+/// As many triangles as stand at each other with each step, and few that reach over all of them.
+#[test]
+fn staircases_of_many_steps_touch_and_meet_when_one_is_moved_into_the_other() {
+    let [lower, upper] = staircases(60);
+    assert!(!surfaces_meet(&lower, &upper));
+    let little = number(-1, 1 << 30);
+    let moved = |x: Number, y: Number, z: Number| upper.translated(&Vec3::new(x, y, z));
+    assert!(!surfaces_meet(&lower, &moved(number(-1, 2), number(1, 2), number(1, 2))));
+    assert!(!surfaces_meet(&lower, &moved(number(3, 1), number(3, 1), number(1, 2))));
+    assert!(surfaces_meet(&lower, &moved(number(0, 1), little, number(1, 1))));
 }
