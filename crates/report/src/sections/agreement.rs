@@ -81,7 +81,7 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
             let detail = campaign.run.external_engines.get(&compared.engine).map(|counts| counts.detail);
             // Where the engine gave none, that none differs says nothing.
             let is_unsaid = detail.is_some_and(|detail| detail.entrances == 0 && detail.contacts > 0);
-            let told = |count: u64| if is_unsaid { TableCell::Empty } else { count.into() };
+            let cell = |count: u64| if is_unsaid { TableCell::Empty } else { count.into() };
             table.push(vec![
                 campaign.name.as_str().into(),
                 compared.tolerances.into(),
@@ -93,8 +93,8 @@ fn table(campaigns: &[CampaignRun]) -> (Table, usize) {
                 high,
                 sums.silent.into(),
                 sums.contacts.into(),
-                told(sums.entrance),
-                told(sums.gap_sign),
+                cell(sums.entrance),
+                cell(sums.gap_sign),
             ]);
         }
     }

@@ -54,7 +54,7 @@ pub(super) fn section(campaigns: &[CampaignRun]) -> Result<Section, ReportError>
         "worst",
         "The worst findings",
         "Of each cause the findings furthest from a tie, whichever side of it, which rounding excuses least; what is further than all found before it \
-         has a case. Facts are those of the case, which is made small: where the pair was another as it was found, as the table has it, that is told. Open one to \
+         has a case. A card describes the case, which is smaller than the pair it was found in; \"as found\" gives the figures of that pair, as in the table, where they differ. Open one to \
          see both blocks, or where one is much larger the surroundings of the smaller: drag to turn, scroll or pinch to come nearer. Green is \
          the true contact, orange the one that was seen.",
     );
