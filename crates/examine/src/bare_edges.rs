@@ -176,12 +176,12 @@ fn of_pair(
         return Vec::new();
     }
     let contacts = Pair::new(shapes[0].prepared(), shapes[1].prepared()).classify(set).contacts;
-    let mut between = Between { shapes, known: BTreeMap::new() };
+    let mut planes = SeparatingPlanes { shapes, known: BTreeMap::new() };
     let mut is_borne = |one: &AtEdge| {
         let of_vertex = || contacts.iter().filter(|contact| contact.key.features().contains(&one.vertex));
         let on_face = |face: &Feature| of_vertex().any(|contact| contact.entrance.features().contains(face));
         let touches = one.faces.as_ref().map_or_else(|| of_vertex().next().is_some(), |both| both.iter().all(on_face));
-        touches || is_borne_around(&mut between, one.vertex, &contacts)
+        touches || is_borne_around(&mut planes, one.vertex, &contacts)
     };
     let mut bare: Vec<BareEdge> = at.into_iter().filter(|one| !is_borne(one)).map(|one| one.bare).collect();
     bare.dedup();
@@ -239,17 +239,17 @@ fn at_edges(
     found
 }
 
-/// Whether planes of faces have two blocks on different sides, each asked once.
-struct Between<'s> {
+/// Which planes of faces have two blocks on different sides, each asked once.
+struct SeparatingPlanes<'s> {
     shapes: [&'s NearShape<'s>; 2],
     /// Of the planes through the first corner of faces, by block and face.
     known: BTreeMap<(usize, FaceId), bool>,
 }
 
-impl Between<'_> {
+impl SeparatingPlanes<'_> {
     /// Whether the plane through a vertex along a face of its block has all of the block on one side and all of the other one on
     /// the other side. Vertices in one plane have one answer.
-    fn is(&mut self, own: usize, face: FaceId, at: &Vec3<BigRational>) -> bool {
+    fn separates(&mut self, own: usize, face: FaceId, at: &Vec3<BigRational>) -> bool {
         let shapes = self.shapes;
         let normal = shapes[own].normal(face);
         let height = |point: &Vec3<BigRational>| normal.dot(&point.minus(at));
@@ -268,15 +268,15 @@ impl Between<'_> {
 /// Whether a plane of a face at a vertex of one of two blocks has all of the one block on one side of it and all of the other one on the other side, and the vertex lies within the hull of
 /// vertices in that plane that have contacts on a face in it. All that the blocks have in common then lies in the plane, so what presses them together is along its normal, and a force along it at the vertex is
 /// the sum of such forces at the corners of that hull.
-fn is_borne_around(between: &mut Between<'_>, vertex: Feature, contacts: &[Contact]) -> bool {
+fn is_borne_around(planes: &mut SeparatingPlanes<'_>, vertex: Feature, contacts: &[Contact]) -> bool {
     let Feature::Vertex(side, vertex) = vertex else { return false };
     let own = usize::from(side == Side::B);
-    let shapes = between.shapes;
+    let shapes = planes.shapes;
     let exact = shapes.map(NearShape::exact);
     let at = &exact[own][vertex.index()];
     let topology = |place: usize| shapes[place].block.topology();
     topology(own).vertex_faces(vertex).iter().any(|&face| {
-        if !between.is(own, face, at) {
+        if !planes.separates(own, face, at) {
             return false;
         }
         let normal = shapes[own].normal(face);
