@@ -109,7 +109,7 @@ pub(crate) struct Campaign {
     /// How many steps such a pair makes
     #[arg(long, value_name = "COUNT")]
     steps: Option<u32>,
-    /// Worker threads, with --mpi of each rank; 0 for one per core, as without it; the results do not depend on it
+    /// Worker threads, with --mpi of each rank; 0, the default, is one per core; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]

@@ -52,7 +52,7 @@ pub(crate) struct Examine {
     overwrite: bool,
     #[command(flatten)]
     format: FormatArgs,
-    /// Worker threads; 0 for one per core, as without it; the results do not depend on it
+    /// Worker threads; 0, the default, is one per core; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
 }

@@ -72,7 +72,7 @@ pub(crate) struct Gate {
     /// Seed of the rotating campaign [default: the number of today, counted from 1970]
     #[arg(long, value_name = "SEED")]
     rotating_seed: Option<u64>,
-    /// Worker threads; 0 for one per core, as without it; the results do not depend on it
+    /// Worker threads; 0, the default, is one per core; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]

@@ -52,7 +52,7 @@ pub(crate) struct Merge {
     /// Exit with 1 if there is a finding of this cause or change, or `any`; `recovered` for failures of engines that did not repeat; may be repeated
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     deny: Vec<String>,
-    /// Worker threads; 0 for one per core, as without it; the results do not depend on it
+    /// Worker threads; 0, the default, is one per core; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]

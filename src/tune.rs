@@ -74,7 +74,7 @@ pub(crate) struct Tune {
     /// Share the work among the ranks of an MPI job (docs/scale.md; a build with the feature mpi)
     #[arg(long)]
     mpi: bool,
-    /// Worker threads, with --mpi of each rank; 0 for one per core, as without it; the results do not depend on it
+    /// Worker threads, with --mpi of each rank; 0, the default, is one per core; the results do not depend on it
     #[arg(long, default_value_t = 0, hide_default_value = true, value_parser = threads)]
     threads: usize,
     #[command(flatten)]

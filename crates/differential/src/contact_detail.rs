@@ -56,7 +56,7 @@ impl ContactDetail {
     pub fn says_less_than(self, before: ContactDetail, same_pairs: bool) -> bool {
         let given = |detail: ContactDetail, of: ContactDetail| u128::from(detail.entrances) * u128::from(of.contacts);
         let is_smaller = given(self, before) < given(before, self);
-        let told = same_pairs || before.entrances == before.contacts || self.entrances == 0;
-        (before.contacts > 0 && self.contacts == 0) || (is_smaller && told)
+        let is_certain = same_pairs || before.entrances == before.contacts || self.entrances == 0;
+        (before.contacts > 0 && self.contacts == 0) || (is_smaller && is_certain)
     }
 }
