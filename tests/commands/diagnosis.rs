@@ -1,7 +1,7 @@
 //! The diagnosis of external engines: each planted mistake is told, and told the same however the campaign was run.
 
 use crate::campaigns::WITHOUT_CASES;
-use crate::engines::client;
+use crate::engines::{changed_cpp_client, client};
 use assert_cmd::Command;
 use rockproof_differential::diagnosis::{DiagnosisRow, DiagnosisVerdict};
 use std::fs;
@@ -20,11 +20,16 @@ fn rows(dir: &Path) -> Vec<DiagnosisRow> {
 
 /// A campaign with the client that makes a mistake, and its diagnosis.
 fn diagnosed(dir: &Path, mistake: &str, more: &[&str]) -> (Vec<DiagnosisRow>, String) {
+    diagnosed_engine(dir, mistake, &format!("{} {mistake}", client()), more)
+}
+
+/// The same with another program.
+fn diagnosed_engine(dir: &Path, mistake: &str, program: &str, more: &[&str]) -> (Vec<DiagnosisRow>, String) {
     let out = dir.join(mistake);
     let config = dir.join("few.toml");
     fs::write(&config, "cases_per_cause = 2\nshrink_evaluations = 3\nsteps_every = 0\nmetamorphic_every = 0\n")
         .expect("write");
-    let engine = format!("mine={} {mistake}", client());
+    let engine = format!("mine={program}");
     let (config, out_text) = (config.to_string_lossy(), out.to_string_lossy());
     let start = ["campaign", &*config, "--engine-command", &engine, "--engine", "mine", "--out", &*out_text];
     let (code, said) = rockproof(&[&start[..], more].concat());
@@ -79,6 +84,28 @@ fn rounding_is_no_mistake_and_a_rare_mistake_is_not_explained_away() {
     let rest = rows.iter().find(|row| row.verdict == DiagnosisVerdict::Unexplained).expect("the rare mistake");
     assert!(rest.answers > 0 && rest.answers + answers == differing, "{rows:#?}");
     assert!(said.contains("mine: no hypothesis explains ") && said.contains(&rest.example), "{said}");
+}
+
+#[test]
+fn a_collision_code_in_f32_is_told_to_be_declared_so() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let pairs = ["--pairs", "256", "--tolerances", "auto"];
+    let Some(single) = changed_cpp_client(&dir.path().join("1"), "double", "float") else { return };
+    let (rows, said) = diagnosed_engine(dir.path(), "in-f32", &single, &pairs);
+    let (found, answers, differing) = first(&rows);
+    assert!(found == "state-in-f32" && answers * 10 >= differing * 9, "{rows:#?}");
+    assert!(said.contains("If it is meant to calculate in f32, declare it as mine:f32."), "{said}");
+    let is_told =
+        |row: &DiagnosisRow| matches!(row.verdict, DiagnosisVerdict::Explains | DiagnosisVerdict::Unexplained);
+    assert_eq!(rows.iter().filter(|row| is_told(row)).count(), 1, "the rest is next to a tie: {rows:#?}");
+
+    // Gaps and normals in seven digits are no worse than in f32, but far better where blocks are near one another.
+    let digits = changed_cpp_client(&dir.path().join("2"), "%.17g", "%.7g").expect("there is a compiler");
+    let (rows, _) = diagnosed_engine(dir.path(), "digits", &digits, &pairs);
+    let (found, answers, differing) = first(&rows);
+    assert!(found == "gap-in-7-digits" && answers * 10 >= differing * 9, "{rows:#?}");
+    let in_single = rows.iter().find(|row| row.hypothesis == "state-in-f32");
+    assert!(in_single.is_none_or(|row| row.verdict == DiagnosisVerdict::Contradicted), "{rows:#?}");
 }
 
 #[test]

@@ -34,12 +34,21 @@ pub(crate) fn cpp_client() -> Option<String> {
     static CLIENT: OnceLock<Option<tempfile::TempDir>> = OnceLock::new();
     let dir = CLIENT.get_or_init(|| {
         let dir = tempfile::tempdir().expect("a directory");
-        built_with_cpp(dir.path()).then_some(dir)
+        built_with_cpp(&example("client.cpp"), dir.path()).then_some(dir)
     });
     dir.as_ref().map(|dir| dir.path().join("client").to_string_lossy().into_owned())
 }
 
-fn built_with_cpp(dir: &Path) -> bool {
+/// The C++ client with one text in its source replaced by another, built in a directory; `None` as above.
+pub(crate) fn changed_cpp_client(dir: &Path, text: &str, by: &str) -> Option<String> {
+    let source = std::fs::read_to_string(example("client.cpp")).expect("the client");
+    assert!(source.contains(text), "{text}");
+    std::fs::create_dir_all(dir).expect("a directory");
+    std::fs::write(dir.join("client.cpp"), source.replace(text, by)).expect("write");
+    built_with_cpp(&dir.join("client.cpp"), dir).then(|| dir.join("client").to_string_lossy().into_owned())
+}
+
+fn built_with_cpp(source: &Path, dir: &Path) -> bool {
     let compiler = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
     if !there(&compiler) {
         skipped(&format!("there is no {compiler} to build examples/engines/client.cpp with"));
@@ -47,7 +56,7 @@ fn built_with_cpp(dir: &Path) -> bool {
     }
     let built = Command::new(compiler)
         .args(["-std=c++17", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off", "-o", "client"])
-        .arg(example("client.cpp"))
+        .arg(source)
         .current_dir(dir)
         .output()
         .expect("runs");

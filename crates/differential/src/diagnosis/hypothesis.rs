@@ -23,6 +23,11 @@ pub(super) trait Hypothesis: Send + Sync {
         None
     }
 
+    /// How near to touching the blocks are for such an engine, in roundoffs of what it calculates in, where that is not what it is declared to be.
+    fn roundoffs_from_touching(&self, _asked: &PreparedQuestion<'_>, _said: ReportedState) -> Option<f64> {
+        None
+    }
+
     /// The tolerances that such an engine takes for those it is given, if nothing else is wrong with it.
     fn tolerances(&self, _question: &Question) -> Option<ToleranceSet> {
         None
@@ -55,6 +60,11 @@ pub(super) trait Hypothesis: Send + Sync {
 
     /// Whether an answer, right or wrong, shows that it is not what is wrong with the engine.
     fn is_refuted(&self, _asked: &PreparedQuestion<'_>) -> bool {
+        false
+    }
+
+    /// Whether an answer is so near to the exact one that such an engine could not give it but by chance.
+    fn is_too_accurate(&self, _asked: &PreparedQuestion<'_>) -> bool {
         false
     }
 

@@ -33,6 +33,10 @@ pub type Asking<'a> = &'a (dyn Fn(&[Block; 2], &ToleranceSet) -> Reply + Sync);
 /// Fewer answers than this show nothing.
 pub(super) const MIN_ANSWERS: usize = 3;
 
+/// One answer in so many may be more accurate by chance than a hypothesis allows: of engines in f32 fewer than one in a hundred were, of one in f64 that
+/// prints seven digits one in four.
+const BY_CHANCE: usize = 16;
+
 /// Explanations looked for, one after the other: each of what those before it leave over.
 const EXPLANATIONS: usize = 3;
 
@@ -51,6 +55,8 @@ struct Judged {
     fits: Vec<Option<bool>>,
     /// The hypotheses that the answer refutes.
     refuted: BTreeSet<usize>,
+    /// The hypotheses that it is too accurate for.
+    too_accurate: BTreeSet<usize>,
     /// [`PreparedQuestion::roundoffs_from_tie`].
     roundoffs: f64,
 }
@@ -62,6 +68,8 @@ struct Against {
     all: usize,
     /// Those of them that are not next to a tie.
     far: usize,
+    /// Answers, right or wrong, that are too accurate for it.
+    too_accurate: usize,
 }
 
 impl Against {
@@ -71,9 +79,9 @@ impl Against {
         self.far += far;
     }
 
-    /// Whether the hypothesis stands, which explains so many answers.
-    fn spares(self, explained: usize) -> bool {
-        self.far == 0 && self.all * 10 <= explained
+    /// Whether the hypothesis stands, which explains so many of all answers.
+    fn spares(self, explained: usize, answers: usize) -> bool {
+        self.far == 0 && self.all * 10 <= explained && self.too_accurate * BY_CHANCE <= answers
     }
 }
 
@@ -120,8 +128,12 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
     let alive: Vec<usize> =
         (0..hypotheses.len()).filter(|&number| !explained(number, &left).is_empty() && !is_refuted(number)).collect();
     let mut against = against(&sample.agreeing, &hypotheses, &alive);
-    let mut standing: Vec<usize> =
-        alive.iter().copied().filter(|&number| against[number].spares(explained(number, &left).len())).collect();
+    for &number in judged.iter().flat_map(|one| &one.too_accurate) {
+        against[number].too_accurate += 1;
+    }
+    let answers = judged.len() + sample.agreeing.len();
+    let stands = |&number: &usize| against[number].spares(explained(number, &left).len(), answers);
+    let mut standing: Vec<usize> = alive.iter().copied().filter(stands).collect();
     let mut rows = Vec::new();
     if let Some(late) = late {
         let late: Vec<usize> = late.iter().copied().collect();
@@ -130,6 +142,8 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
         let (hypothesis, sentence) = (lag::NAME.to_owned(), lag::SENTENCE.to_owned() + &unsaid(&questions));
         rows.push(DiagnosisRow { hypothesis, sentence, example, ..row(DiagnosisVerdict::Explains, late.len()) });
     }
+    // Next to a tie for the engine of a chosen hypothesis, which calculates in less than it is declared to.
+    let mut near_for_chosen: Vec<usize> = Vec::new();
     let mut chosen = Vec::new();
     let mut searched = vec![false; hypotheses.len()];
     while chosen.len() < EXPLANATIONS {
@@ -185,9 +199,12 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
         }
         chosen.extend(alike.first().copied());
         left.retain(|at| !of_best.contains(at));
+        near_for_chosen.extend(left.extract_if(.., |at| is_excused_state(answered[*at], &*hypotheses[best])));
     }
-    let (near, unexplained): (Vec<usize>, Vec<usize>) =
+    let (mut near, unexplained): (Vec<usize>, Vec<usize>) =
         left.iter().copied().partition(|&at| is_near(answered[at], &judged[at], &chosen, &hypotheses));
+    near.extend(near_for_chosen);
+    near.sort_unstable();
     let others = [
         (DiagnosisVerdict::Rounding, near),
         (DiagnosisVerdict::Unexplained, unexplained),
@@ -207,7 +224,7 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
     }
     let mut fallen: Vec<(usize, usize)> = alive
         .iter()
-        .filter(|number| !standing.contains(number))
+        .filter(|number| !standing.contains(number) && against[**number].all > 0)
         .map(|&number| (judged.iter().filter(|one| one.fits[number] == Some(true)).count(), number))
         .collect();
     fallen.sort_by_key(|&(count, number)| (std::cmp::Reverse(count), number));
@@ -236,32 +253,55 @@ fn judge(question: &Question, hypotheses: &[Box<dyn Hypothesis>]) -> Judged {
         right: asked.is_right(),
         fits: hypotheses.iter().map(|hypothesis| fits(&**hypothesis, &asked)).collect(),
         refuted: (0..hypotheses.len()).filter(|&number| hypotheses[number].is_refuted(&asked)).collect(),
+        too_accurate: (0..hypotheses.len()).filter(|&number| hypotheses[number].is_too_accurate(&asked)).collect(),
         roundoffs: asked.roundoffs_from_tie(),
     }
 }
 
 /// What right answers say against each hypothesis; 0 of those that are not `alive`, which nobody asks about.
 fn against(agreeing: &[Question], hypotheses: &[Box<dyn Hypothesis>], alive: &[usize]) -> Vec<Against> {
-    let one = |question: &Question| -> Vec<(usize, bool)> {
+    let one = |question: &Question| -> Vec<(usize, Against)> {
         let prepared = PreparedBlocks::of(&question.blocks);
         let asked = PreparedQuestion::new(question, &prepared);
-        let contradicted = alive.iter().filter(|&&number| fits(&*hypotheses[number], &asked) == Some(false));
-        contradicted.map(|&number| (number, !is_excused(&*hypotheses[number], &asked))).collect()
+        let of = |&number: &usize| {
+            let hypothesis = &*hypotheses[number];
+            let is_contradicted = fits(hypothesis, &asked) == Some(false);
+            let against = Against {
+                all: usize::from(is_contradicted),
+                far: usize::from(is_contradicted && !is_excused(hypothesis, &asked)),
+                too_accurate: usize::from(hypothesis.is_too_accurate(&asked)),
+            };
+            (number, against)
+        };
+        alive.iter().map(of).collect()
     };
     let mut sums = vec![Against::default(); hypotheses.len()];
-    for (number, far) in agreeing.par_iter().map(one).collect::<Vec<_>>().into_iter().flatten() {
-        sums[number].all += 1;
-        sums[number].far += usize::from(far);
+    for (number, Against { all, far, too_accurate }) in agreeing.par_iter().flat_map_iter(one).collect::<Vec<_>>() {
+        sums[number].all += all;
+        sums[number].far += far;
+        sums[number].too_accurate += too_accurate;
     }
     sums
 }
 
 /// Whether an answer differs from that of a hypothesis next to a tie only, where the engine's rounding can be the reason.
 pub(super) fn is_excused(hypothesis: &dyn Hypothesis, asked: &PreparedQuestion<'_>) -> bool {
-    let Reply::Contacts(said) = &asked.question.reply else { return false };
-    let near =
-        |contacts: Vec<Contact>| asked.roundoffs_between(&contacts, said, &asked.question.tolerances) <= FAR_FROM_TIE;
-    !hypothesis.is_about_ties() && hypothesis.contacts(asked).is_some_and(near)
+    let roundoffs = match &asked.question.reply {
+        Reply::Contacts(said) => {
+            let between = |contacts: Vec<Contact>| asked.roundoffs_between(&contacts, said, &asked.question.tolerances);
+            hypothesis.contacts(asked).map(between)
+        }
+        Reply::State(said) => hypothesis.roundoffs_from_touching(asked, *said),
+        Reply::Nothing(_) => None,
+    };
+    !hypothesis.is_about_ties() && roundoffs.is_some_and(|roundoffs| roundoffs <= FAR_FROM_TIE)
+}
+
+/// Whether an answer says how blocks lie, and differs from what a hypothesis says only where rounding can be the reason.
+fn is_excused_state(question: &Question, hypothesis: &dyn Hypothesis) -> bool {
+    let Reply::State(_) = question.reply else { return false };
+    let prepared = PreparedBlocks::of(&question.blocks);
+    is_excused(hypothesis, &PreparedQuestion::new(question, &prepared))
 }
 
 /// Whether rounding can be the reason of an answer, by itself or beside what an accepted hypothesis says. By itself only where it is not known how

@@ -132,9 +132,18 @@ impl<'q> PreparedQuestion<'q> {
 
     /// The same for other blocks.
     pub(super) fn state_is_right_for(&self, blocks: &[Block; 2], said: ReportedState) -> Option<bool> {
-        let Question { precision, accuracy, .. } = *self.question;
-        let (wrong, _) = CollisionQuery { blocks, precision, accuracy }.compare(said)?;
+        let (wrong, _) = self.compare_state_of(blocks, self.question.precision, said)?;
         Some(wrong.is_none())
+    }
+
+    /// What is wrong with a state, said of other blocks by an engine of another precision.
+    pub(super) fn compare_state_of(
+        &self,
+        blocks: &[Block; 2],
+        precision: Precision,
+        said: ReportedState,
+    ) -> Option<(Option<AnswerChange>, StateComparison)> {
+        CollisionQuery { blocks, precision, accuracy: self.question.accuracy }.compare(said)
     }
 
     /// Whether the engine is right; `None` where nothing exact stands against its answer.

@@ -65,6 +65,9 @@ pub const DIAGNOSIS_COLUMNS: [&str; 10] = [
 /// What the sentence of unexplained answers says where all of them are near ties.
 pub(super) const ALL_NEAR_TIES: &str = "all of them near ties";
 
+/// Hypotheses that are no mistake of an engine declared to calculate in f32.
+const IN_SINGLE: [&str; 3] = ["input-in-f32", "calculated-in-f32", "state-in-f32"];
+
 /// So many of the differing answers may stay unexplained before it is said beside an explanation: one in so many.
 const SMALL_PART: u64 = 4;
 
@@ -85,7 +88,11 @@ impl DiagnosisRow {
                     0 => format!("no right answer of {agreeing} speaks against it"),
                     n => format!("{n} right answers of {agreeing} speak against it, all next to a tie"),
                 };
-                format!("{engine}: {of} {are} exact {sentence}; {against}.")
+                let advice = match IN_SINGLE.contains(&self.hypothesis.as_str()) {
+                    true => format!(" If it is meant to calculate in f32, declare it as {engine}:f32."),
+                    false => String::new(),
+                };
+                format!("{engine}: {of} {are} exact {sentence}; {against}.{advice}")
             }
             DiagnosisVerdict::AsWell => {
                 format!("{engine}: as well {sentence}: nothing that was asked tells the two apart.")

@@ -1,9 +1,11 @@
 //! Hypotheses about engines that say how blocks lie: blocks near one another taken for touching, and numbers in few digits.
 
 use super::hypothesis::{Hypothesis, HypothesisRange};
-use super::question::{PreparedQuestion, Question};
+use super::question::{PreparedQuestion, Question, Reply};
+use crate::compare::AnswerChange;
 use crate::separation_state::SeparationState::{Apart, Overlapping, Touching};
-use crate::separation_state::{ReportedState, SeparationState};
+use crate::separation_state::{ReportedState, SeparationState, StateComparison};
+use rockproof_model::Precision;
 
 /// What is said of blocks that do not quite touch, or how numbers are said.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +16,12 @@ enum StateMistake {
     Digits(usize),
     /// The gap in so many digits after the point.
     Decimals(usize),
+    /// Input and results rounded to f32.
+    InSingle,
 }
+
+/// So many times as near.
+const FAR_NEARER: f64 = 16.0;
 
 /// The least and the greatest n of a tolerance of 10^−n m.
 const EXPONENTS: std::ops::RangeInclusive<u8> = 1..=15;
@@ -25,7 +32,8 @@ pub(super) fn all() -> impl Iterator<Item = Box<dyn Hypothesis>> {
     let within = taken_for.into_iter().flat_map(|side| EXPONENTS.map(move |n| StateMistake::Within(side, n)));
     let digits = [6, 7, 4, 5].map(StateMistake::Digits).into_iter();
     let decimals = [6, 4, 3, 2].map(StateMistake::Decimals);
-    within.chain(digits).chain(decimals).map(|mistake| Box::new(mistake) as Box<dyn Hypothesis>)
+    let all = within.chain(digits).chain(decimals).chain([StateMistake::InSingle]);
+    all.map(|mistake| Box::new(mistake) as Box<dyn Hypothesis>)
 }
 
 impl Hypothesis for StateMistake {
@@ -34,6 +42,7 @@ impl Hypothesis for StateMistake {
             StateMistake::Within([is, said], n) => format!("{is}-by-1e-{n}-is-{said}"),
             StateMistake::Digits(digits) => format!("gap-in-{digits}-digits"),
             StateMistake::Decimals(digits) => format!("gap-in-{digits}-decimals"),
+            StateMistake::InSingle => "state-in-f32".to_owned(),
         }
     }
 
@@ -44,6 +53,7 @@ impl Hypothesis for StateMistake {
             }
             StateMistake::Digits(digits) => format!("with the gap printed in {digits} significant digits"),
             StateMistake::Decimals(digits) => format!("with the gap printed in {digits} digits after the point"),
+            StateMistake::InSingle => "but for rounding to f32, of the input and of what is calculated".to_owned(),
         }
     }
 
@@ -62,13 +72,39 @@ impl Hypothesis for StateMistake {
                 let (wrong, _) = asked.compare_state(meant, self.accuracy(asked))?;
                 Some(self.shortened(exact) == Some(gap_m) && wrong.is_none())
             }
+            StateMistake::InSingle => {
+                let (wrong, _) = compare_in_single(asked, said)?;
+                Some(wrong.is_none())
+            }
         }
+    }
+
+    fn roundoffs_from_touching(&self, asked: &PreparedQuestion<'_>, said: ReportedState) -> Option<f64> {
+        let StateMistake::InSingle = self else { return None };
+        let (_, comparison) = compare_in_single(asked, said)?;
+        Some(comparison.margin_ulps.abs())
+    }
+
+    /// The gap is far nearer to that of the blocks as they are than to that of the blocks in f32, which is all that an engine in f32 knows of.
+    fn is_too_accurate(&self, asked: &PreparedQuestion<'_>) -> bool {
+        let StateMistake::InSingle = self else { return false };
+        let Reply::State(said) = asked.question.reply else { return false };
+        let gaps = || {
+            let (_, given) = asked.compare_state(said, asked.question.accuracy)?;
+            let (_, single) = compare_in_single(asked, said)?;
+            Some((said.gap_m?, given.exact_gap_m, single.exact_gap_m))
+        };
+        gaps().is_some_and(|(said, given, single)| (said - given).abs() * FAR_NEARER < (said - single).abs())
+    }
+
+    fn leaves_open(&self) -> bool {
+        matches!(self, StateMistake::InSingle)
     }
 
     fn ladder(&self) -> Option<(String, usize)> {
         match self {
             StateMistake::Within([is, said], n) => Some((format!("{is}-is-{said}"), usize::from(*n))),
-            StateMistake::Digits(_) | StateMistake::Decimals(_) => None,
+            StateMistake::Digits(_) | StateMistake::Decimals(_) | StateMistake::InSingle => None,
         }
     }
 
@@ -94,7 +130,17 @@ impl StateMistake {
         match self {
             StateMistake::Digits(digits) => format!("{number:.*e}", digits - 1).parse().ok(),
             StateMistake::Decimals(digits) => format!("{number:.digits$}").parse().ok(),
-            StateMistake::Within(..) => None,
+            StateMistake::Within(..) | StateMistake::InSingle => None,
         }
     }
+}
+
+/// What is wrong with a state that an engine in f32 says, and the comparison; `None` where a coordinate overflows or a block is concave.
+fn compare_in_single(
+    asked: &PreparedQuestion<'_>,
+    said: ReportedState,
+) -> Option<(Option<AnswerChange>, StateComparison)> {
+    let [a, b] = &asked.question.blocks;
+    let blocks = [a.rounded(Precision::F32)?, b.rounded(Precision::F32)?];
+    asked.compare_state_of(&blocks, Precision::F32, said)
 }
