@@ -22,8 +22,8 @@ pub struct Penetration {
     /// Of two convex blocks the largest gap over all directions: negative where they overlap, its square that of the least
     /// translation; zero where they touch; positive apart. Of others negative where they overlap, its square that of the
     /// distance from the other's surface of the deepest vertex, or, if none is inside, of the deepest middle of an edge
-    /// between its crossings with faces, or, where no edge passes through either, of what their convex cells share; else
-    /// zero.
+    /// between its crossings with faces; where these are none or shallow, of the deepest of them and of middles of what convex cells of the blocks share;
+    /// else zero.
     pub gap: Gap,
     /// The direction in which A moves to get free, not of unit length. Of several equally good ones, the first: A's faces,
     /// B's faces, then edges of A with edges of B; of points A's, then B's, each with the first face, edge or vertex that
@@ -178,6 +178,13 @@ impl<'a> LatticePair<'a> {
         let lattice = Lattice::covering(a.coordinates().chain(b.coordinates()));
         let units = |block: &Block| block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
         LatticePair { blocks: [a, b], points: [units(a), units(b)], scale: lattice.units_per_metre() }
+    }
+
+    /// A point given in m, in lattice units; `None` where a coordinate is no number.
+    fn in_units(&self, point: [f64; 3]) -> Option<Vec3<BigRational>> {
+        let (units, metres) = &self.scale;
+        let coordinate = |c: f64| Some(BigRational::from_float(c)? * units / metres);
+        Some(Vec3::new(coordinate(point[0])?, coordinate(point[1])?, coordinate(point[2])?))
     }
 
     /// A squared length in m², from lattice units squared.

@@ -9,39 +9,74 @@
 //! 2. the middles of edges between crossings: where an edge passes through faces of the other block it is cut, and the
 //!    middle of each part is looked at. A crossing itself is on both surfaces and so no depth; the stretch of the edge
 //!    between two crossings is what is inside, and its middle, a rational point, stands for it;
-//! 3. the middles of the common parts of the blocks' convex cells (`pieces`): blocks overlap without 1 and 2 where
-//!    their surfaces coincide, as those of two equal blocks do. Here the depth is the lesser of the distances from both
-//!    surfaces, as the point is a corner of neither.
+//! 3. the same of the diagonals by which faces of four vertices and more are cut into triangles: faces bent by rounding are passed through
+//!    by nothing else where both blocks have all their vertices.
 //!
-//! Of 2 and 3 the depth is that of points inside, at most that of the deepest ones.
+//! Blocks overlap without these where their surfaces coincide, as those of two equal blocks do; and where surfaces coincide but for rounding, these
+//! are no deeper than rounding makes them, however deep the blocks overlap. So where they are [`SHALLOW`] or none, the deepest is looked for
+//! among them and
+//!
+//! 4. the middles of convex cells in both blocks (`common_cells`), or, where there are none, no point was found and all faces are planar,
+//! 5. the middles of the common parts of the blocks' convex cells, cut exactly ([`crate::convex_cells`]). Where faces are bent, what is left is narrower than
+//!    rounding makes it, and no depth is told.
+//!
+//! Of 4 and 5 the depth is the lesser of the distances from both surfaces, as the point is a corner of neither. Of all but the vertices the depth is
+//! that of points inside, at most that of the deepest ones.
 //!
 //! f64 answers first wherever it proves the answer (`near`); what is left is exact.
 
+mod common_cells;
+mod lattice_point;
 mod near;
 
-use super::{LatticePair, Penetration, compare};
+use super::{LatticePair, Penetration};
 use crate::Gap;
-use crate::convex_cells::cells;
+use crate::convex_cells::{ConvexCell, cells};
 use crate::interiors::surfaces_meet;
 use crate::point_in_surface::{surface_holds_origin, triangle_corners, triangle_holds_origin};
 use crate::separation::{SeparablePoints, separate};
+use lattice_point::{Fraction, NearestPoint};
 use near::{Feature, NearSurface, View};
 use num_bigint::BigInt;
-use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use rockproof_model::block::face_normal;
 use rockproof_model::topology::loop_pairs;
-use rockproof_model::{Block, Sign, Vec3};
+use rockproof_model::{Block, Sign, Vec3, VertexId};
 use std::cell::OnceCell;
+
+/// A depth of the largest coordinate over this or less may be all that rounding left of a deep overlap: of coordinates in f32, or written with
+/// four digits, and surfaces that coincide.
+const SHALLOW: u64 = 1 << 10;
+
+/// Rounding to f64 bends faces by less than the largest coordinate over this.
+const BENT: u64 = 1 << 44;
 
 /// The deepest point of either block; `None` where a block has no face with an area.
 pub(super) fn deepest_point(pair: &LatticePair<'_>) -> Option<Penetration> {
     let view = View::of([&pair.points[0], &pair.points[1]]);
     let surfaces = [LatticeSurface::new(pair, &view, 0)?, LatticeSurface::new(pair, &view, 1)?];
-    let best = deepest_vertex(&surfaces)
-        .or_else(|| deepest_of(&surfaces, |side| surfaces[side].middles_between_crossings(&surfaces[1 - side])))
-        .or_else(|| deepest_common(pair, &surfaces));
+    let best = deepest_vertex(&surfaces).or_else(|| {
+        deepest_of(&surfaces, |side| {
+            surfaces[side].middles_between_crossings(&surfaces[1 - side], edges(pair.blocks[side]))
+        })
+    });
+    let best = match best {
+        Some(best) if !surfaces.iter().any(|surface| best.nearest.is_within(&surface.bounds, SHALLOW)) => Some(best),
+        None if !interiors_meet(pair) => None,
+        best => {
+            let diagonals = |side: usize| {
+                surfaces[side].middles_between_crossings(&surfaces[1 - side], diagonals(pair.blocks[side]))
+            };
+            let best = best.or_else(|| deepest_of(&surfaces, diagonals));
+            let middles = common_cells::middles(pair.blocks);
+            let middles = middles.into_iter().filter_map(|middle| Some(Fraction::of(&pair.in_units(middle)?)));
+            deepest_common(&surfaces, best, middles).or_else(|| {
+                let is_planar = surfaces.iter().all(LatticeSurface::has_planar_faces);
+                if is_planar { deepest_common(&surfaces, None, exact_middles(pair)) } else { None }
+            })
+        }
+    };
     let Some(DeepPoint { nearest, is_of_a }) = best else {
         return Some(Penetration::none());
     };
@@ -78,18 +113,39 @@ fn deepest_of(surfaces: &[LatticeSurface<'_>; 2], points: impl Fn(usize) -> Vec<
     best
 }
 
-/// The deepest of the middles of what the blocks' cells share.
-fn deepest_common(pair: &LatticePair<'_>, surfaces: &[LatticeSurface<'_>; 2]) -> Option<DeepPoint> {
+/// Whether the interiors of two blocks meet.
+fn interiors_meet(pair: &LatticePair<'_>) -> bool {
     let [a, b] = pair.blocks.map(|block| SeparablePoints::new(block.vertices().to_vec()));
-    if separate(a.set(), b.set()).is_separated || !surfaces_meet(pair.blocks[0], pair.blocks[1]) {
-        return None;
-    }
+    !separate(a.set(), b.set()).is_separated && surfaces_meet(pair.blocks[0], pair.blocks[1])
+}
+
+/// The ends of a block's edges.
+fn edges(block: &Block) -> Vec<[VertexId; 2]> {
+    block.topology().edges().iter().map(|edge| [edge.p, edge.q]).collect()
+}
+
+/// The ends of the diagonals by which its faces are cut into triangles.
+fn diagonals(block: &Block) -> Vec<[VertexId; 2]> {
+    let of_face = |face: &Vec<VertexId>| (2..face.len() - 1).map(|k| [face[0], face[k]]).collect::<Vec<_>>();
+    block.topology().faces().iter().flat_map(of_face).collect()
+}
+
+/// The middles of what two of the blocks' convex cells share.
+fn exact_middles(pair: &LatticePair<'_>) -> impl Iterator<Item = Fraction> {
     let [ones, twos] = pair.blocks.map(cells);
-    let (units, metres) = &pair.scale;
-    let mut best: Option<DeepPoint> = None;
-    for (one, two) in ones.iter().flat_map(|one| twos.iter().map(move |two| (one, two))) {
-        let Some(common) = one.common(two) else { continue };
-        let point = Fraction::of(&common.middle().map(|c| c * units / metres));
+    let (units, metres) = pair.scale.clone();
+    let shared = move |one: ConvexCell| twos.iter().filter_map(|two| one.common(two)).collect::<Vec<_>>();
+    let parts = ones.into_iter().flat_map(shared);
+    parts.map(move |common| Fraction::of(&common.middle().map(|c| c * &units / &metres)))
+}
+
+/// The deepest of a point and of some points that are corners of neither block: the first of several equally deep.
+fn deepest_common(
+    surfaces: &[LatticeSurface<'_>; 2],
+    mut best: Option<DeepPoint>,
+    points: impl Iterator<Item = Fraction>,
+) -> Option<DeepPoint> {
+    for point in points {
         // Deep in B as a point of A, and the other way round.
         let depths = [1, 0].map(|side| surfaces[side].depth(point.clone(), |_| true));
         let [Some(as_a), Some(as_b)] = depths else { continue };
@@ -102,68 +158,6 @@ fn deepest_common(pair: &LatticePair<'_>, surfaces: &[LatticeSurface<'_>; 2]) ->
     best
 }
 
-/// The point `numerators / denominator` in lattice units, the denominator above zero.
-#[derive(Clone)]
-struct Fraction {
-    numerators: Vec3<BigInt>,
-    denominator: BigInt,
-}
-
-impl Fraction {
-    fn whole(numerators: Vec3<BigInt>) -> Fraction {
-        Fraction { numerators, denominator: BigInt::one() }
-    }
-
-    /// The point `p + share·d`.
-    fn between(p: &Vec3<BigInt>, d: &Vec3<BigInt>, share: &BigRational) -> Fraction {
-        Fraction {
-            numerators: p.scaled(share.denom()).plus(&d.scaled(share.numer())),
-            denominator: share.denom().clone(),
-        }
-    }
-
-    /// The same with the least denominator.
-    fn reduced(self) -> Fraction {
-        if self.denominator.is_one() {
-            return self;
-        }
-        let common = self.numerators.components().into_iter().fold(self.denominator.clone(), |all, c| all.gcd(c));
-        Fraction { numerators: self.numerators.map(|c| c / &common), denominator: self.denominator / common }
-    }
-
-    /// The way from it to a lattice point, in units finer by its denominator.
-    fn way_to(&self, place: &Vec3<BigInt>) -> Vec3<BigInt> {
-        if self.denominator.is_one() {
-            return place.minus(&self.numerators);
-        }
-        place.scaled(&self.denominator).minus(&self.numerators)
-    }
-
-    fn of(point: &Vec3<BigRational>) -> Fraction {
-        let denominator = point.components().into_iter().fold(BigInt::one(), |all, c| all.lcm(c.denom()));
-        Fraction { numerators: point.map(|c| c.numer() * (&denominator / c.denom())), denominator }
-    }
-}
-
-/// The point of a surface next to a point: the squared distance as a fraction, and the way there times something above zero.
-struct NearestPoint {
-    numerator: BigInt,
-    denominator: BigInt,
-    way: Vec3<BigInt>,
-}
-
-impl NearestPoint {
-    /// The same in units `factor` times as long.
-    fn on_coarser_lattice(&self, factor: &BigInt) -> NearestPoint {
-        let denominator = &self.denominator * factor * factor;
-        NearestPoint { numerator: self.numerator.clone(), denominator, way: self.way.clone() }
-    }
-
-    fn cmp_square(&self, other: &NearestPoint) -> std::cmp::Ordering {
-        compare((&self.numerator, &self.denominator), (&other.numerator, &other.denominator))
-    }
-}
-
 /// The surface of a block in lattice units.
 struct LatticeSurface<'p> {
     block: &'p Block,
@@ -174,6 +168,8 @@ struct LatticeSurface<'p> {
     bounds: [Vec3<BigInt>; 2],
     view: &'p View,
     near: NearSurface<'p>,
+    /// Whether all faces are planar, if that was asked.
+    is_planar: OnceCell<bool>,
 }
 
 impl<'p> LatticeSurface<'p> {
@@ -187,7 +183,7 @@ impl<'p> LatticeSurface<'p> {
         let bounds = [corner(std::cmp::min), corner(std::cmp::max)];
         let normals = vec![OnceCell::new(); block.topology().faces().len()];
         let near = NearSurface::new(view, block, points);
-        let surface = LatticeSurface { block, points, normals, bounds, view, near };
+        let surface = LatticeSurface { block, points, normals, bounds, view, near, is_planar: OnceCell::new() };
         let has_area = (0..surface.normals.len()).any(|face| !Zero::is_zero(&surface.normal(face).norm_squared()));
         has_area.then_some(surface)
     }
@@ -206,17 +202,48 @@ impl<'p> LatticeSurface<'p> {
         let point = point.reduced();
         let nearest = self.nearest(&point, &self.near.nearest_features(&near))?;
         let is_deep = is_asked_for(&nearest) && !Zero::is_zero(&nearest.numerator);
-        (is_deep && is_inside.unwrap_or_else(|| self.holds(&point))).then_some(nearest)
+        let is_inside = is_deep && is_inside.unwrap_or_else(|| self.holds(&point));
+        (is_inside && !self.is_in_sliver(&point, &nearest)).then_some(nearest)
     }
 
-    /// The middles of the parts into which the other's triangles cut each edge, where they cut it at all.
-    fn middles_between_crossings(&self, other: &LatticeSurface<'_>) -> Vec<Fraction> {
+    /// Whether a point inside lies between triangles of one face where the block is not: the triangles of a face that is not convex reach out of it,
+    /// and cancel there but for what rounding bends the face. Round a point that deep all is inside, so six points at half of its depth tell. Of depths
+    /// that a bent face can have by itself it is not asked.
+    fn is_in_sliver(&self, point: &Fraction, nearest: &NearestPoint) -> bool {
+        if self.is_planar.get_or_init(|| self.has_planar_faces()) == &true || nearest.is_within(&self.bounds, BENT) {
+            return false;
+        }
+        // No more than half of the depth, in units finer by the point's denominator and by 16.
+        let finer = BigInt::from(16);
+        let (numerators, denominator) = (point.numerators.scaled(&finer), &point.denominator * &finer);
+        let half: BigInt = (&nearest.numerator * denominator.pow(2) / &nearest.denominator).sqrt() / 2;
+        let beside = |k: usize, way: BigInt| {
+            let mut numerators = numerators.components().map(Clone::clone);
+            numerators[k] += way;
+            let [x, y, z] = numerators;
+            Fraction { numerators: Vec3::new(x, y, z), denominator: denominator.clone() }
+        };
+        let mut around = (0..3).flat_map(|k| [beside(k, half.clone()), beside(k, -&half)]);
+        around.any(|other| !self.near.holds(&self.view.point(&other)).unwrap_or_else(|| self.holds(&other)))
+    }
+
+    /// Whether the corners of each face are in one plane, exactly.
+    fn has_planar_faces(&self) -> bool {
+        let at = |v: &VertexId| &self.points[v.index()];
+        let is_planar = |(number, face): (usize, &Vec<VertexId>)| {
+            face.len() == 3 || face.iter().all(|v| Zero::is_zero(&self.normal(number).dot(&at(v).minus(at(&face[0])))))
+        };
+        self.block.topology().faces().iter().enumerate().all(is_planar)
+    }
+
+    /// The middles of the parts into which the other's triangles cut each of some edges or diagonals, where they cut it at all.
+    fn middles_between_crossings(&self, other: &LatticeSurface<'_>, edges: Vec<[VertexId; 2]>) -> Vec<Fraction> {
         let surface: Vec<_> = triangle_corners(other.block).collect();
         let mut middles = Vec::new();
-        for edge in self.block.topology().edges() {
-            let [p, q] = [edge.p, edge.q].map(|v| &self.points[v.index()]);
+        for edge in edges {
+            let [p, q] = edge.map(|v| &self.points[v.index()]);
             let d = q.minus(p);
-            let may_meet = |triangle: &usize| other.near.may_be_crossed(&self.near, [edge.p, edge.q], *triangle);
+            let may_meet = |triangle: &usize| other.near.may_be_crossed(&self.near, edge, *triangle);
             let meeting = (0..surface.len()).filter(may_meet);
             let mut places: Vec<BigRational> = meeting
                 .filter_map(|triangle| crossing(p, &d, surface[triangle].map(|v| &other.points[v.index()])))

@@ -5,6 +5,7 @@ mod support;
 
 mod audit;
 mod audit_bounded;
+mod coinciding;
 mod passage;
 mod penetration;
 mod penetration_limits;
