@@ -247,12 +247,14 @@ fn files_that_are_none() {
     std::fs::write(path("third.toml"), change(MESH, "[1, 0, 0]", "[\"1/3\", 0, 0]")).unwrap();
     std::fs::write(path("bytes.toml"), [0x5b, 0x0a, 0xff, 0xfe]).unwrap();
     std::fs::write(path("loose.toml"), "search = 1\n[[block]]\n").unwrap();
+    std::fs::write(path("above.toml"), "search = 1\n[tolerances]\npreset = \"auto\"\n").unwrap();
+    std::fs::write(path("beside.toml"), "[tolerances]\npreset = \"auto\"\n[tolerance]\nsearch = 1\n").unwrap();
     std::fs::create_dir(path("folder.dda")).unwrap();
     std::fs::write(path("empty"), "").unwrap();
     for name in ["good.step", "good"] {
         std::fs::copy(path("good.obj"), path(name)).unwrap();
     }
-    let cases: [(&[&str], &[&str]); 23] = [
+    let cases: [(&[&str], &[&str]); 25] = [
         (&["check", "missing.dda"], &["missing.dda:", "No such file"]),
         (&["check", "folder.dda"], &["folder.dda:", "directory"]),
         (&["check", "bytes.toml"], &["bytes.toml:2:", "byte 2 of the file is 0xff"]),
@@ -268,6 +270,11 @@ fn files_that_are_none() {
         (&["check", "good.obj", "--precision", "f32", "--set", "open=1e39"], &["tolerance `open` overflows"]),
         (&["check", "good.obj", "--precision", "f16"], &["--precision", "f32 and f64"]),
         (&["check", "good.obj", "--tolerances", "strict"], &["--tolerances strict", "neither a preset"]),
+        (
+            &["check", "good.obj", "--tolerances", "above.toml"],
+            &["above.toml:1:", "unknown key `search`", "[tolerances]"],
+        ),
+        (&["check", "good.obj", "--tolerances", "beside.toml"], &["beside.toml:3:", "unknown key `tolerance`"]),
         (&["check", "good.obj", "--tolerances", "loose.toml"], &["loose.toml:2:", "unknown tolerance `block`"]),
         (&["check", "good.obj", "--set", "search"], &["--set search", "NAME=VALUE"]),
         (&["check", "good.obj", "--set", "search=1", "open=x"], &["--set open=x", "is not a number"]),

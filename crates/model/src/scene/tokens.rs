@@ -124,7 +124,7 @@ pub(super) fn out_of(what: &str, index: impl ToString, limit: usize) -> ScenePro
 /// The non-negative integer a word stands for.
 pub(super) fn whole(token: Token<'_>, what: &str) -> Result<usize, Located> {
     if token.text.is_empty() || !token.text.bytes().all(|b| b.is_ascii_digit()) {
-        return Err(unexpected(token, &format!("{what}, a whole number")));
+        return Err(unexpected(token, &format!("{what}, a whole number from 0")));
     }
     let too_large = || SceneProblem::NotAllowed {
         what: what.to_string(),

@@ -82,12 +82,16 @@ pub(super) fn read(text: &str) -> Result<Document, Located> {
     Ok(Document { tolerances, planarity, entries, simulation, attached })
 }
 
-/// Reads tolerances: the table `[tolerances]` of a file, or a file that is that table.
+/// Reads tolerances: the table `[tolerances]` of a scene or of a file of its own, or a file that is that table.
 pub(super) fn read_tolerances(text: &str) -> Result<ToleranceSpec, Located> {
     let lines = Lines::new(text);
     let document = parse(text, &lines)?;
     match document.get_ref().get("tolerances") {
-        Some(value) => lines.tolerances(lines.table(value, "`tolerances`")?),
+        Some(value) => {
+            // A tolerance beside the table would be given for nothing.
+            lines.allow_only(document.get_ref(), "a file with `[tolerances]`", &SCENE)?;
+            lines.tolerances(lines.table(value, "`tolerances`")?)
+        }
         None => lines.tolerances(document.get_ref()),
     }
 }
