@@ -129,7 +129,8 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     let [asked, recovered] = [1, 3].map(|at: usize| row[at].parse::<u64>().expect("a count"));
     assert!(
         table.starts_with(
-            "engine,asked,processes_started,recovered,not_compared,first_failures,contacts,entrances,gap_m\nmine,"
+            "engine,asked,processes_started,recovered,not_compared,first_failures,contacts,entrances,gap_m,\
+             apart,apart_gaps,apart_normals,touching,touching_gaps,touching_normals,overlapping,overlapping_gaps,overlapping_normals\nmine,"
         ),
         "{table}"
     );

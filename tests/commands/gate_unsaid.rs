@@ -1,7 +1,7 @@
-//! What an external engine leaves unsaid of its contacts is not compared: the gate, campaigns, reports and `compare` tell it.
+//! What an external engine leaves unsaid of its contacts, or of how blocks lie, is not compared: the gate, campaigns, reports and `compare` tell it.
 #![cfg(unix)]
 
-use crate::engines::client;
+use crate::engines::{client, cpp_client};
 use crate::gates::{around, gate};
 use crate::place::rockproof_in;
 
@@ -113,4 +113,153 @@ fn what_an_engine_leaves_unsaid_is_told_by_campaign_report_and_compare() {
     }
     let (_, said, _) = rockproof_in(dir, &["compare", "whole", "whole"]);
     assert!(!said.contains("entrances and signs"), "{said}");
+}
+
+/// The C++ client, which says how blocks lie, with what `sed` takes out; `None` without a compiler.
+fn of_states(edit: &str) -> Option<Vec<String>> {
+    Some(["sh", "-c", &format!("'{}' | sed -u '{edit}'", cpp_client()?)].map(str::to_owned).to_vec())
+}
+
+const NO_GAP: &str = r#"s/"gap_m":[^,]*,//"#;
+const NEITHER: &str = r#"s/,"gap_m".*/}/"#;
+
+/// The same of an engine that says how blocks lie, and never how far apart or in which direction.
+#[test]
+fn a_limit_on_gaps_or_normals_that_an_engine_never_gives_is_skipped() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let apart = ["sed", "-u", r#"s/^{"id":\([0-9]*\),.*/{"id":\1,"state":"apart"}/"#].map(str::to_owned);
+    let limit = |change: &str| format!("[[limit]]\nengine = \"mine\"\nchange = \"{change}\"\ncount = 0\n");
+    for changes in [&["gap"][..], &["normal"], &["gap", "normal"]] {
+        let limits: String = changes.iter().map(|change| limit(change)).collect();
+        let ran = gate(dir.path(), &around_few(&apart, &limits), &[], false);
+        for change in changes {
+            let told = format!("mine gave no {change} for any of ");
+            let row = ran.out.lines().find(|line| line.contains(&told)).unwrap_or_else(|| panic!("{}", ran.out));
+            assert!(row.starts_with(" skip") && row.contains("states: what is not given is not compared"), "{row}");
+        }
+        let row = ran.out.lines().find(|line| line.contains("engine mine answers")).expect("a row");
+        assert!(ran.code == 1 && row.contains("FAIL") && row.contains("whatever it answers would pass"), "{row}");
+        assert!(row.contains("gaps and normals given for 0 of "), "{row}");
+    }
+    let state = limit("state").replace("count = 0", "count = 9999");
+    let ran = gate(dir.path(), &around_few(&apart, &(limit("gap") + &state)), &[], false);
+    assert!(ran.code == 0 && ran.out.contains("gate passed: 2 passed, 1 skipped"), "{}{}", ran.out, ran.err);
+    // An engine that names contacts says no state.
+    let contacts = [client(), String::new()];
+    let ran = gate(dir.path(), &around_few(&contacts, &limit("normal")), &[], false);
+    assert!(ran.code == 1 && ran.out.contains("mine answered no state, so no normal"), "{}{}", ran.out, ran.err);
+}
+
+/// Gaps or normals that are no longer given end findings that nobody mended.
+#[test]
+fn an_engine_that_says_less_of_how_blocks_lie_than_in_the_baseline_fails() {
+    let Some(whole) = of_states("") else { return };
+    let dir = tempfile::tempdir().expect("a directory");
+    let baseline = "[baseline]\nfile = \"known.toml\"\n";
+    let ran = gate(dir.path(), &around_few(&whole, baseline), &["--update-baseline"], false);
+    assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+    let ran = gate(dir.path(), &around_few(&whole, baseline), &[], false);
+    assert!(ran.code == 0 && ran.out.contains("none new"), "{}{}", ran.out, ran.err);
+    let less = |edit: &str| {
+        let engine = of_states(edit).expect("built before");
+        let text = format!("rotating_pairs = 32\n{}", around_few(&engine, baseline));
+        gate(dir.path(), &text, &["--rotating-seed", "7"], false)
+    };
+    for (edit, what) in [(NO_GAP, "gaps given for 0 of "), (NEITHER, "gaps and normals given for 0 of ")] {
+        let ran = less(edit);
+        for run in ["fixed", "rotating"] {
+            let name = format!("{run}: engine mine says less of how blocks lie");
+            let row = ran.out.lines().find(|line| line.contains(&name));
+            let row = row.unwrap_or_else(|| panic!("{}{}", ran.out, ran.err));
+            assert!(ran.code == 1 && row.contains("FAIL") && row.contains(what), "{row}");
+            assert!(row.contains(" states \"overlapping\", in the baseline for "), "{row}");
+        }
+    }
+    // A file of an earlier version counts contacts alone.
+    let file = dir.path().join("known.toml");
+    let text = std::fs::read_to_string(&file).expect("a baseline");
+    let line = text.lines().find(|line| line.starts_with("\"mine\" = { contacts = 0")).expect("what it said");
+    assert!(line.contains(", overlapping = { answers = "), "{line}");
+    std::fs::write(&file, text.replace(line, "\"mine\" = { contacts = 0, entrances = 0, gap_m = 0 }")).expect("write");
+    let ran = less(NEITHER);
+    assert!(ran.code == 0 && ran.out.contains("none new"), "{}{}", ran.out, ran.err);
+}
+
+/// The end of a campaign and the report do not call well what was not compared, and `compare` tells an engine that says less.
+#[test]
+fn gaps_and_normals_that_are_not_given_are_told_by_campaign_report_and_compare() {
+    let Some(whole) = of_states("") else { return };
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let campaign = |out: &str, command: &[String], more: &[&str]| {
+        let words: Vec<String> = command.iter().map(|word| toml::Value::from(word.as_str()).to_string()).collect();
+        let text = format!(
+            "pairs = 320\nengines = []\nfamilies = [\"edge_cross\"]\ntolerances = [\"auto\"]\nsteps_every = 0\n\
+             [[external]]\nname = \"mine\"\ncommand = [{}]\n",
+            words.join(", ")
+        );
+        std::fs::write(dir.join("settings.toml"), text).expect("write");
+        let (code, said, err) = rockproof_in(dir, &[&["campaign", "settings.toml", "--out", out], more].concat());
+        assert_eq!(code, 0, "{said}{err}");
+        said
+    };
+    campaign("whole", &whole, &[]);
+    let neither = of_states(NEITHER).expect("built before");
+    let said = campaign("bare", &neither, &[]);
+    let told = "gaps and normals given for 0 of ";
+    let line = said.lines().find(|line| line.starts_with("mine: no finding of its own")).expect("its line");
+    assert!(line.contains(told) && line.ends_with("what is not given is not compared."), "{line}");
+    let (code, page, err) = rockproof_in(dir, &["report", "bare", "--format", "markdown"]);
+    let line = page.lines().find(|line| line.contains("mine: no finding of its own")).expect("its line");
+    assert!(code == 0 && line.contains('ℹ') && !line.contains('✅') && line.contains(told), "{line}{err}");
+    let no_gap = campaign("no-gap", &of_states(NO_GAP).expect("built before"), &[]);
+    assert!(no_gap.contains("gaps given for 0 of "), "{no_gap}");
+    // What is denied does not matter: what is not compared any more must not pass for mended.
+    for (runs, wanted) in [
+        (["whole", "bare"], 1),
+        (["whole", "no-gap"], 1),
+        (["no-gap", "bare"], 1),
+        (["bare", "whole"], 0),
+        (["bare", "bare"], 0),
+        (["whole", "whole"], 0),
+    ] {
+        let (code, said, err) = rockproof_in(dir, &["compare", runs[0], runs[1], "--deny", "new,more,other"]);
+        assert_eq!(code, wanted, "{runs:?}: {said}{err}");
+        let told = said.lines().filter(|line| line.starts_with("mine gave ")).count();
+        assert_eq!(told > 0, runs[0] != runs[1], "{runs:?}: {said}");
+    }
+    // The counts of parts, and of sessions, add up to those of one run; a merge asks about the findings that it makes cases of as well.
+    let counts = |run: &str| {
+        let table = std::fs::read_to_string(dir.join(run).join("engines.csv")).expect("a table");
+        let row = table.lines().nth(1).expect("a row").split(',').skip(6);
+        row.map(|count| count.parse().expect("a count")).collect::<Vec<u64>>()
+    };
+    let all = counts("whole");
+    assert!(all[3] > 0 && all[4..6] == [0, 0] && all[9] > 0 && all[9..] == [all[9]; 3], "{all:?}");
+    campaign("half", &whole, &["--part", "1/2"]);
+    campaign("rest", &whole, &["--part", "2/2"]);
+    let sum: Vec<u64> = counts("half").iter().zip(counts("rest")).map(|(one, other)| one + other).collect();
+    let (code, _, err) = rockproof_in(dir, &["merge", "half", "rest", "--out", "merged"]);
+    assert!(
+        code == 0 && sum == all && counts("merged").iter().zip(&all).all(|(one, other)| one >= other),
+        "{err}{sum:?}"
+    );
+    campaign("sessions", &whole, &["--pairs", "160"]);
+    campaign("sessions", &whole, &["--pairs", "320", "--resume"]);
+    assert_eq!(counts("sessions"), all);
+    // A run of an earlier version does not have them.
+    let file = dir.join("bare/run.json");
+    let mut run: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&file).expect("run.json")).expect("JSON");
+    let detail = run["external_engines"]["mine"]["detail"].as_object_mut().expect("what it said");
+    detail.retain(|name, _| ["contacts", "entrances", "gap_m"].contains(&name.as_str()));
+    std::fs::write(&file, run.to_string()).expect("write");
+    let file = dir.join("bare/engines.csv");
+    let table = std::fs::read_to_string(&file).expect("a table");
+    let first = |row: &str| row.split(',').take(9).collect::<Vec<_>>().join(",") + "\n";
+    std::fs::write(&file, table.lines().map(first).collect::<String>()).expect("write");
+    let (code, page, err) = rockproof_in(dir, &["report", "bare", "--format", "markdown"]);
+    assert!(code == 0 && page.contains("mine: no finding of its own") && !page.contains("states"), "{page}{err}");
+    let (code, said, err) = rockproof_in(dir, &["compare", "bare", "no-gap", "--deny", "new,more,other"]);
+    assert!(code == 0, "{said}{err}");
 }

@@ -80,7 +80,9 @@ fn engine_counts(run: &mut BTreeMap<String, Vec<u8>>) -> [u64; 3] {
     let table = String::from_utf8(run.remove("engines.csv").expect("a table of engines")).expect("text");
     let (head, row) = table.trim_end().split_once('\n').expect("a row");
     assert!(
-        head == "engine,asked,processes_started,recovered,not_compared,first_failures,contacts,entrances,gap_m",
+        head.starts_with(
+            "engine,asked,processes_started,recovered,not_compared,first_failures,contacts,entrances,gap_m,apart,"
+        ),
         "{head}"
     );
     let counts: Vec<u64> = row.split(',').skip(1).take(4).map(|count| count.parse().expect("a count")).collect();

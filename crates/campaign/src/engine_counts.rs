@@ -1,7 +1,7 @@
 //! What external engines were put through, over all sessions of a run and all parts of a campaign.
 
+use rockproof_differential::answer_detail::{AnswerDetail, StateDetail};
 use rockproof_differential::attribution::EnginePanel;
-use rockproof_differential::contact_detail::ContactDetail;
 use rockproof_differential::engine::EngineCounts;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -35,13 +35,48 @@ pub struct EngineRow {
     /// Those of them with `gap_m`.
     #[serde(default)]
     pub gap_m: u64,
+    /// Answers that blocks are apart; this and all behind it are 0 in tables of earlier versions.
+    #[serde(default)]
+    pub apart: u64,
+    /// Those of them with `gap_m`.
+    #[serde(default)]
+    pub apart_gaps: u64,
+    /// Those of them with `normal`.
+    #[serde(default)]
+    pub apart_normals: u64,
+    /// Answers that blocks touch.
+    #[serde(default)]
+    pub touching: u64,
+    /// Those of them with `gap_m`.
+    #[serde(default)]
+    pub touching_gaps: u64,
+    /// Those of them with `normal`.
+    #[serde(default)]
+    pub touching_normals: u64,
+    /// Answers that blocks overlap.
+    #[serde(default)]
+    pub overlapping: u64,
+    /// Those of them with `gap_m`.
+    #[serde(default)]
+    pub overlapping_gaps: u64,
+    /// Those of them with `normal`.
+    #[serde(default)]
+    pub overlapping_normals: u64,
 }
 
 impl EngineRow {
-    /// How much the engine said of its contacts.
-    pub fn detail(&self) -> ContactDetail {
+    /// How much the engine said in its answers.
+    pub fn detail(&self) -> AnswerDetail {
         let EngineRow { contacts, entrances, gap_m, .. } = *self;
-        ContactDetail { contacts, entrances, gap_m }
+        let state = |answers, gaps, normals| StateDetail { answers, gaps, normals };
+        AnswerDetail {
+            contacts,
+            entrances,
+            gap_m,
+            apart: state(self.apart, self.apart_gaps, self.apart_normals),
+            touching: state(self.touching, self.touching_gaps, self.touching_normals),
+            overlapping: state(self.overlapping, self.overlapping_gaps, self.overlapping_normals),
+        }
     }
 }
 
@@ -114,7 +149,7 @@ pub(super) fn to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (name, counts) in engines {
         let EngineCounts { asked, processes_started, recovered, not_compared, first_failures, detail, .. } = counts;
-        let ContactDetail { contacts, entrances, gap_m } = *detail;
+        let AnswerDetail { contacts, entrances, gap_m, apart, touching, overlapping } = *detail;
         writer.serialize(EngineRow {
             engine: name.clone(),
             asked: *asked,
@@ -125,6 +160,15 @@ pub(super) fn to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>
             contacts,
             entrances,
             gap_m,
+            apart: apart.answers,
+            apart_gaps: apart.gaps,
+            apart_normals: apart.normals,
+            touching: touching.answers,
+            touching_gaps: touching.gaps,
+            touching_normals: touching.normals,
+            overlapping: overlapping.answers,
+            overlapping_gaps: overlapping.gaps,
+            overlapping_normals: overlapping.normals,
         })?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())

@@ -2,7 +2,7 @@
 //! `agreement.csv` and `confusion.csv`. Findings say what differs; these say of how many.
 
 use super::agreement_record::{AgreementRecord, RecordedRow};
-use super::contact_detail::ContactDetail;
+use super::answer_detail::AnswerDetail;
 use super::row::{named, written};
 use rockproof_model::text::noun;
 use serde::de::Error;
@@ -85,8 +85,8 @@ pub struct EngineAnswers {
     pub asked: u64,
     /// Pairs whose contacts it named; of the others that it answered it said only how the blocks lie.
     pub with_contacts: u64,
-    /// How much it said of the contacts in all its answers, those to changed pairs among them.
-    pub detail: ContactDetail,
+    /// How much it said in all its answers, those to changed pairs among them.
+    pub detail: AnswerDetail,
 }
 
 impl EngineAnswers {

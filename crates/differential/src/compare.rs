@@ -77,11 +77,6 @@ impl AnswerChange {
         )
     }
 
-    /// Whether it is about how a contact is entered, which an engine may leave unsaid.
-    pub fn is_of_entrances(self) -> bool {
-        matches!(self, AnswerChange::Entrance | AnswerChange::GapSign)
-    }
-
     /// Whether it is about how blocks lie, as engines say that name no contacts.
     pub fn is_of_states(self) -> bool {
         matches!(self, AnswerChange::State | AnswerChange::Gap | AnswerChange::Normal)

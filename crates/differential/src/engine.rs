@@ -3,8 +3,8 @@
 //! Everything the campaign knows about the stepper and the oracle is in `builtin`, and in `diagnosis` which departs from their rules; the
 //! rest of the campaign sees these traits only, so that a mistaken stepper or an external program plugs in without a change elsewhere.
 
+use super::answer_detail::AnswerDetail;
 use super::compare::AnswerChange;
-use super::contact_detail::ContactDetail;
 use super::finding::Cause;
 use super::indexed_trace::IndexedTrace;
 use super::separation_state::ReportedState;
@@ -91,9 +91,9 @@ pub struct EngineCounts {
     /// not known.
     #[serde(default)]
     pub programs: Vec<String>,
-    /// What it said of the contacts that it named. Runs of earlier versions say nothing of it.
+    /// What it said of contacts and of how blocks lie. Runs of earlier versions say nothing of it.
     #[serde(default)]
-    pub detail: ContactDetail,
+    pub detail: AnswerDetail,
 }
 
 impl EngineCounts {

@@ -3,13 +3,13 @@
 
 pub mod agreement;
 pub mod agreement_record;
+pub mod answer_detail;
 pub mod attribution;
 pub mod builtin;
 pub mod case_file;
 pub mod collapse;
 pub mod collision;
 pub mod compare;
-pub mod contact_detail;
 pub mod diagnosis;
 pub mod engine;
 pub mod explain;

@@ -3,7 +3,7 @@
 use super::config::Baseline;
 use super::tally::{CampaignTally, ClassCount};
 use super::{CONFIDENCE, Check, CheckStatus};
-use rockproof_differential::contact_detail::ContactDetail;
+use rockproof_differential::answer_detail::{AnswerDetail, DetailShift, StateDetail};
 use rockproof_differential::finding::Cause;
 use rockproof_model::text::noun;
 use serde::Deserialize;
@@ -27,9 +27,9 @@ pub struct KnownFindings {
     /// How often each sort of finding occurred then, by its fingerprint.
     #[serde(default)]
     pub known: BTreeMap<String, ClassCount>,
-    /// How much each external engine said of its contacts then; none in files of earlier versions and of gates without such engines.
+    /// How much each external engine said in its answers then; none in files of earlier versions and of gates without such engines.
     #[serde(default)]
-    pub said: BTreeMap<String, ContactDetail>,
+    pub said: BTreeMap<String, AnswerDetail>,
 }
 
 impl KnownFindings {
@@ -82,9 +82,15 @@ impl KnownFindings {
         }
         if !self.said.is_empty() {
             file += "\n[said]\n";
-            for (engine, ContactDetail { contacts, entrances, gap_m }) in &self.said {
-                let counts = format!("{{ contacts = {contacts}, entrances = {entrances}, gap_m = {gap_m} }}");
-                file += &format!("{} = {counts}\n", key(engine));
+            for (engine, detail) in &self.said {
+                let AnswerDetail { contacts, entrances, gap_m, .. } = detail;
+                let mut counts = format!("contacts = {contacts}, entrances = {entrances}, gap_m = {gap_m}");
+                for (state, StateDetail { answers, gaps, normals }) in detail.by_state() {
+                    if answers > 0 {
+                        counts += &format!(", {state} = {{ answers = {answers}, gaps = {gaps}, normals = {normals} }}");
+                    }
+                }
+                file += &format!("{} = {{ {counts} }}\n", key(engine));
             }
         }
         file += "\n[known]\n";
@@ -163,19 +169,30 @@ impl KnownFindings {
         checks
     }
 
-    /// A failed check for each external engine that says less of its contacts than it did: what it does not say is not compared, so findings are
-    /// missing that nobody mended. In the fixed campaign, whose pairs are the same, a smaller share is less; in others all or none tells.
+    /// A failed check for each external engine that says less of its contacts, or of how blocks lie, than it did: what it does not say is not compared, so
+    /// findings are missing that nobody mended. In the fixed campaign, whose pairs are the same, a smaller share is less; in others all or none tells.
     fn unsaid(&self, now: &KnownFindings, run: &str, baseline: &Baseline) -> Vec<Check> {
         if !baseline.causes.iter().any(|cause| cause == Cause::Engine.name()) {
             return Vec::new();
         }
         let both = self.said.iter().filter_map(|(engine, was)| Some((engine, *was, *now.said.get(engine)?)));
-        let less = both.filter(|(_, was, now)| now.says_less_than(*was, run == "fixed"));
-        let check = |(engine, was, now): (&String, ContactDetail, ContactDetail)| {
-            let message = format!("{}, in the baseline for {}", now.note(), was.share_note());
-            rowless(format!("{run}: engine {engine} says less of its contacts"), message, CheckStatus::Fail, baseline)
-        };
-        less.map(check).collect()
+        let mut checks = Vec::new();
+        for (engine, was, now) in both {
+            let shifts = now.shifts(was, run == "fixed");
+            let subjects = [("of its contacts", true), ("of how blocks lie", false)];
+            for (subject, is_of_contacts) in subjects {
+                let less = shifts.iter().filter(|shift| shift.less && shift.is_of_contacts == is_of_contacts);
+                let told = |DetailShift { what, before, after, .. }: &DetailShift| {
+                    format!("{what} given for {after}, in the baseline for {before}")
+                };
+                let told: Vec<String> = less.map(told).collect();
+                if !told.is_empty() {
+                    let name = format!("{run}: engine {engine} says less {subject}");
+                    checks.push(rowless(name, told.join("; "), CheckStatus::Fail, baseline));
+                }
+            }
+        }
+        checks
     }
 
     /// The pairs a fingerprint could have occurred in, of a step those that make some: those of its family where it names one, else all.
@@ -330,6 +347,8 @@ mod tests {
     #[test]
     fn the_file_reads_back() {
         let fields = vec!["engine".to_owned(), "family".to_owned()];
+        let overlapping = StateDetail { answers: 5, gaps: 4, normals: 3 };
+        let said = AnswerDetail { contacts: 9, entrances: 7, overlapping, ..AnswerDetail::default() };
         let known = KnownFindings {
             fields,
             examined: [("sliver".to_owned(), 12), ("real".to_owned(), 3)].into(),
@@ -337,7 +356,7 @@ mod tests {
             settings: [("engines".to_owned(), "[\"stepper-f64\"]".to_owned()), ("seed".to_owned(), "1".to_owned())]
                 .into(),
             known: [("a \"b\" | sliver".to_owned(), count(4, 10)), ("c | real".to_owned(), count(1, 1))].into(),
-            said: [("mine".to_owned(), ContactDetail { contacts: 9, entrances: 7, gap_m: 0 })].into(),
+            said: [("mine".to_owned(), said)].into(),
         };
         assert_eq!(toml::from_str::<KnownFindings>(&known.to_toml()).expect("TOML"), known);
         assert_eq!((known.examined_of("c | real"), known.examined_of("c | sliver")), (3, 12));

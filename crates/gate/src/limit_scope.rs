@@ -6,6 +6,7 @@ use super::tally::CampaignTally;
 use rockproof_campaign::source::FamilySource;
 use rockproof_campaign::steps::{self, PASSAGE, StepChange};
 use rockproof_differential::agreement::EngineAnswers;
+use rockproof_differential::answer_detail::AnswerDetail;
 use rockproof_differential::builtin;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::external::EngineSpec;
@@ -132,10 +133,9 @@ pub(crate) fn unbreakable(limit: &FindingLimit, config: &GateConfig) -> Option<S
     }
 }
 
-/// Why a limit on entrances or signs of gaps was not looked at: it is about external engines alone, and none of them gave any.
+/// Why a limit on what an answer may leave unsaid, as entrances, was not looked at: it is about external engines alone, and none of them gave any.
 pub(crate) fn unsaid(limit: &FindingLimit, config: &GateConfig, tally: &CampaignTally) -> Option<String> {
-    let change = limit.change.as_deref().and_then(AnswerChange::from_name);
-    change.filter(|change| change.is_of_entrances())?;
+    let change = limit.change.as_deref().and_then(AnswerChange::from_name)?;
     let externals = config.campaign.external.iter().map(|spec| spec.name.as_str());
     let of_externals = limit.cause.as_deref() == Some(Cause::Engine.name());
     let concerned: Vec<&str> = match limit.engine.as_deref() {
@@ -143,35 +143,52 @@ pub(crate) fn unsaid(limit: &FindingLimit, config: &GateConfig, tally: &Campaign
         None if of_externals => externals.collect(),
         None => Vec::new(),
     };
-    let given = |name: &&str| tally.answers(name).detail.entrances > 0;
-    if concerned.is_empty() || concerned.iter().any(given) {
+    let details = concerned.iter().map(|name| tally.answers(name).detail);
+    let detail = details.fold(AnswerDetail::default(), AnswerDetail::plus);
+    if concerned.is_empty() || given(change, detail)? > 0 {
         return None;
     }
-    let contacts: u64 = concerned.iter().map(|name| tally.answers(name).detail.contacts).sum();
     let names = concerned.join(" and ");
-    Some(match contacts {
+    if change.is_of_states() {
+        let what = change.name();
+        return Some(match detail.states().answers {
+            0 => format!("{names} answered no state, so no {what}"),
+            1 => format!("{names} gave no {what} for its state: what is not given is not compared"),
+            states => format!("{names} gave no {what} for any of {states} states: what is not given is not compared"),
+        });
+    }
+    Some(match detail.contacts {
         0 => format!("{names} named no contact, so no entrance and no sign of a gap"),
         1 => format!(
             "{names} gave neither entrance nor sign of the gap for its contact: what is not given is not compared"
         ),
-        _ => format!(
+        contacts => format!(
             "{names} gave neither entrance nor sign of the gap for any of {contacts} contacts: what is not given is not compared"
         ),
     })
 }
 
+/// How often an engine gave what a limit on this change is about; `None` where no answer can leave that unsaid.
+fn given(change: AnswerChange, detail: AnswerDetail) -> Option<u64> {
+    match change {
+        AnswerChange::Entrance | AnswerChange::GapSign => Some(detail.entrances),
+        AnswerChange::Gap => Some(detail.states().gaps),
+        AnswerChange::Normal => Some(detail.states().normals),
+        _ => None,
+    }
+}
+
 /// Whether a limit can be broken by what an external engine answers, of which `answers` are known. One on crashes, say, cannot: whatever the engine answers,
-/// it answers. Nor can one on missing contacts where the engine names none.
+/// it answers. Nor can one on missing contacts where the engine names none, or one on gaps where it gives none.
 pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec, answers: &EngineAnswers) -> bool {
     let change = limit.change.as_deref().and_then(AnswerChange::from_name);
     let of_contacts = limit.kind.is_some() || change.is_some_and(AnswerChange::is_of_contacts);
-    let of_entrances = change.is_some_and(AnswerChange::is_of_entrances);
     let of_states = change.is_some_and(AnswerChange::is_of_states);
     limit.engine.as_ref().is_none_or(|name| *name == engine.name)
         && limit.cause.as_ref().is_none_or(|cause| cause == Cause::Engine.name())
         && change.is_none_or(AnswerChange::is_of_answers)
         && (!of_contacts || answers.with_contacts > 0)
-        && (!of_entrances || answers.detail.entrances > 0)
+        && change.and_then(|change| given(change, answers.detail)).is_none_or(|times| times > 0)
         && (!of_states || answers.with_contacts < answers.answered)
         && !limit.is_of_recovered()
         && !limit.is_of_steps()

@@ -8,7 +8,7 @@ use super::sections::{Section, SectionPart};
 use super::table::{Table, TableCell, grouped};
 use super::verdict::{Severity, VerdictLine};
 use rockproof_campaign::proportion::Proportion;
-use rockproof_differential::contact_detail::ContactDetail;
+use rockproof_differential::answer_detail::{AnswerDetail, DetailShift};
 use rockproof_gate::comparison::{ClassChange, Comparable, FindingComparison, Trend};
 use rockproof_gate::tally::CampaignTally;
 use rockproof_model::text::escaped;
@@ -41,15 +41,15 @@ pub struct ShareChange {
     pub after: [f64; 3],
 }
 
-/// An external engine that gives entrances and signs of gaps for another share of its contacts.
+/// An external engine that says more or less: gives entrances for another share of its contacts, or gaps and normals for another share of its states.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DetailChange {
     /// The engine.
     pub engine: String,
-    /// What it said of its contacts before.
-    pub before: ContactDetail,
+    /// What it said before.
+    pub before: AnswerDetail,
     /// The same after.
-    pub after: ContactDetail,
+    pub after: AnswerDetail,
     /// Whether it says less.
     pub less: bool,
 }
@@ -71,7 +71,7 @@ pub struct RunComparison {
     pub findings: FindingComparison,
     /// The shares of right answers, of pairs as each run has them.
     pub agreement: Vec<ShareChange>,
-    /// External engines that say more or less of their contacts.
+    /// External engines that say more or less of their contacts or of how blocks lie.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub details: Vec<DetailChange>,
 }
@@ -108,7 +108,7 @@ impl RunComparison {
         self.findings.count(trend)
     }
 
-    /// Whether an external engine says less of its contacts than before, so that less is compared.
+    /// Whether an external engine says less of its contacts, or of how blocks lie, than before, so that less is compared.
     pub fn says_less(&self) -> bool {
         self.details.iter().any(|change| change.less)
     }
@@ -149,12 +149,16 @@ impl RunComparison {
             ),
         };
         lines.push(line(if self.examined() == 0 { Severity::Bad } else { severity }, text));
-        lines.extend(self.details.iter().map(|DetailChange { engine, before, after, less }| {
-            let severity = if *less { Severity::Bad } else { Severity::Fair };
-            let [before, after] = [before, after].map(|detail| detail.share_note());
-            let text = format!("{engine} gave entrances and signs of gaps for {before} before, for {after} after: what is not given is not compared.");
-            line(severity, text)
-        }));
+        for DetailChange { engine, before, after, .. } in &self.details {
+            lines.extend(after.shifts(*before, self.same_pairs.is_some()).into_iter().map(|shift| {
+                let DetailShift { what, before, after, less, .. } = shift;
+                let severity = if less { Severity::Bad } else { Severity::Fair };
+                let text = format!(
+                    "{engine} gave {what} for {before} before, for {after} after: what is not given is not compared."
+                );
+                line(severity, text)
+            }));
+        }
         if let Some(text) = self.left_out() {
             lines.push(line(Severity::Fair, text));
         }
@@ -335,13 +339,14 @@ fn differences(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<S
     names.into_iter().filter(|name| before.get(*name) != after.get(*name)).map(change).collect()
 }
 
-/// External engines of both runs that give entrances for another share of their contacts; of other pairs a share may be another by chance.
+/// External engines of both runs that give entrances for another share of their contacts, or gaps or normals for another share of their states; of
+/// other pairs a share may be another by chance.
 fn details([first, second]: [&CampaignRun; 2], same_pairs: bool) -> Vec<DetailChange> {
     let both =
         first.run.external_engines.iter().filter_map(|(engine, before)| {
             Some((engine, before.detail, second.run.external_engines.get(engine)?.detail))
         });
-    let change = |(engine, before, after): (&String, ContactDetail, ContactDetail)| {
+    let change = |(engine, before, after): (&String, AnswerDetail, AnswerDetail)| {
         let less = after.says_less_than(before, same_pairs);
         let differs = less || before.says_less_than(after, same_pairs);
         differs.then(|| DetailChange { engine: engine.clone(), before, after, less })

@@ -10,7 +10,7 @@ use super::question::{PreparedBlocks, PreparedQuestion, Question, Reply};
 use super::ranges::as_ranges;
 use super::row::{ALL_NEAR_TIES, DiagnosisRow, DiagnosisVerdict};
 use super::tolerances::probes;
-use crate::contact_detail::ContactDetail;
+use crate::answer_detail::AnswerDetail;
 use crate::finding::FAR_FROM_TIE;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ToleranceSet};
@@ -240,9 +240,9 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
     rows
 }
 
-/// What is said of answers that leave entrances unsaid: they are exact in what they say, which is all that is compared.
+/// What is said of answers that leave entrances, gaps or normals unsaid: they are exact in what they say, which is all that is compared.
 fn unsaid(questions: &[&Question]) -> String {
-    let detail = questions.iter().fold(ContactDetail::default(), |sum, question| sum.plus(question.detail()));
+    let detail = questions.iter().fold(AnswerDetail::default(), |sum, question| sum.plus(question.detail()));
     detail.incomplete_note().map_or(String::new(), |note| format!(", as far as they go ({note})"))
 }
 

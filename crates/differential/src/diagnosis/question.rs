@@ -1,9 +1,9 @@
 //! One question to an engine, what it said, and what is so.
 
+use crate::answer_detail::AnswerDetail;
 use crate::collision::CollisionQuery;
 use crate::collision::separation::Separation;
 use crate::compare::{AnswerChange, Features, differences};
-use crate::contact_detail::ContactDetail;
 use crate::engine::{Answer, Engine, ExactPair, catch_panic};
 use crate::explain::{ChainLink, nearest_decisions};
 use crate::external::protocol::{UNNAMED, completed};
@@ -48,11 +48,16 @@ impl Question {
         PreparedQuestion::new(self, &prepared).is_right()
     }
 
-    /// How much the engine says of its contacts, but for `gap_m`.
-    pub(super) fn detail(&self) -> ContactDetail {
-        let Reply::Contacts(said) = &self.reply else { return ContactDetail::default() };
-        let entrances = said.iter().filter(|contact| contact.entrance != UNNAMED).count() as u64;
-        ContactDetail { contacts: said.len() as u64, entrances, gap_m: 0 }
+    /// How much the engine says, but for the `gap_m` of contacts.
+    pub(super) fn detail(&self) -> AnswerDetail {
+        match &self.reply {
+            Reply::Contacts(said) => {
+                let entrances = said.iter().filter(|contact| contact.entrance != UNNAMED).count() as u64;
+                AnswerDetail { contacts: said.len() as u64, entrances, ..AnswerDetail::default() }
+            }
+            Reply::State(said) => AnswerDetail::of_state(said),
+            Reply::Nothing(_) => AnswerDetail::default(),
+        }
     }
 
     /// Whether the blocks have contacts.

@@ -20,7 +20,7 @@ pub use group::end_all;
 pub use process::end_all;
 pub use spec::{EngineSpec, EngineSpecError};
 
-use super::contact_detail::ContactDetail;
+use super::answer_detail::AnswerDetail;
 use super::engine::{Answer, Engine, EngineCounts, EngineFailure, Prepared, Shortage, Trace, WideAnswer};
 use super::finding::Cause;
 use process::{NoAnswer, Process};
@@ -44,7 +44,7 @@ struct EngineCounters {
     failures: Mutex<Vec<String>>,
     /// [`EngineCounts::first_repeated`].
     repeated: Mutex<Vec<String>>,
-    detail: Mutex<ContactDetail>,
+    detail: Mutex<AnswerDetail>,
 }
 
 /// The texts in a list that many threads add to.
@@ -193,7 +193,7 @@ impl External {
         }
     }
 
-    fn count_detail(&self, detail: ContactDetail) {
+    fn count_detail(&self, detail: AnswerDetail) {
         let mut sum = self.0.counts.detail.lock().unwrap_or_else(PoisonError::into_inner);
         *sum = sum.plus(detail);
     }

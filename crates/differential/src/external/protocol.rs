@@ -1,6 +1,6 @@
 //! The line protocol: one JSON object a line, question and answer (docs/engines.md).
 
-use crate::contact_detail::ContactDetail;
+use crate::answer_detail::AnswerDetail;
 use crate::engine::{Answer, EngineFailure};
 use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
@@ -43,12 +43,12 @@ pub fn answer(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<Answer, 
     detailed_answer(line, id, features).0
 }
 
-/// The same, with how much it says of its contacts: nothing where it is no answer.
+/// The same, with how much it says of contacts and states: nothing where it is no answer.
 pub(super) fn detailed_answer(
     line: &[u8],
     id: u64,
     features: [&Topology; 2],
-) -> (Result<Answer, EngineFailure>, ContactDetail) {
+) -> (Result<Answer, EngineFailure>, AnswerDetail) {
     match read(line, id, features) {
         Ok((answer, detail)) => (Ok(answer), detail),
         Err(fault) => {
@@ -60,7 +60,7 @@ pub(super) fn detailed_answer(
                     quoted(line)
                 )),
             };
-            (Err(failure), ContactDetail::default())
+            (Err(failure), AnswerDetail::default())
         }
     }
 }
@@ -117,7 +117,7 @@ fn is_no_number(word: &[u8]) -> bool {
     ["nan", "inf", "infinity"].iter().any(|name| word.eq_ignore_ascii_case(name.as_bytes()))
 }
 
-fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<(Answer, ContactDetail), ProtocolError> {
+fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<(Answer, AnswerDetail), ProtocolError> {
     let value: Value = serde_json::from_slice(line).map_err(|error| not_json(line, &error))?;
     let Value::Object(object) = value else {
         return Err(format!("expected an object, found {}", kind_of(&value)).into());
@@ -133,7 +133,10 @@ fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<(Answer, Conta
             let (contacts, detail) = read_contacts(contacts, features)?;
             Ok((Answer::Contacts(contacts), detail))
         }
-        (None, Some(state), None) => Ok((Answer::State(read_state(state, &object)?), ContactDetail::default())),
+        (None, Some(state), None) => {
+            let said = read_state(state, &object)?;
+            Ok((Answer::State(said), AnswerDetail::of_state(&said)))
+        }
         (None, None, Some(Value::String(why))) => Err(ProtocolError::Unsupported(why.clone())),
         (None, None, Some(other)) => Err(format!("unsupported is {}; expected a text", kind_of(other)).into()),
         _ => {
@@ -178,7 +181,7 @@ fn read_state(state: &Value, object: &Map<String, Value>) -> Result<ReportedStat
     Ok(ReportedState { state, gap_m, normal: normal.transpose()? })
 }
 
-fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<(Vec<Contact>, ContactDetail), String> {
+fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<(Vec<Contact>, AnswerDetail), String> {
     let list = contacts.as_array().ok_or_else(|| format!("contacts is {}; expected a list", kind_of(contacts)))?;
     let mut read = Vec::with_capacity(list.len());
     for (number, contact) in list.iter().enumerate() {
@@ -190,10 +193,11 @@ fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<(Vec<Cont
         return Err(format!("contact {kind} ({a}, {b}) is there twice"));
     }
     let count = |is: &dyn Fn(usize) -> bool| (0..list.len()).filter(|&at| is(at)).count() as u64;
-    let detail = ContactDetail {
+    let detail = AnswerDetail {
         contacts: list.len() as u64,
         entrances: count(&|at| read[at].entrance != UNNAMED),
         gap_m: count(&|at| list[at].get("gap_m").is_some()),
+        ..AnswerDetail::default()
     };
     Ok((read, detail))
 }
