@@ -6,7 +6,7 @@ use crate::output_file::{allow_ours, remove_ours, step_summary};
 use crate::stop::end_on_ctrl_c;
 use crate::table::{prose, table};
 use crate::terminal::threads;
-use crate::{gate_diagnosis, gate_settings};
+use crate::{gate_baseline, gate_diagnosis, gate_settings};
 use anyhow::Context;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::engines::Engines;
@@ -22,7 +22,7 @@ use rockproof_differential::external::spec::replay_command;
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::PairSource;
 use rockproof_gate::answers;
-use rockproof_gate::config::{Baseline, GateConfig, line_of};
+use rockproof_gate::config::{GateConfig, line_of};
 use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::tally::CampaignTally;
 use rockproof_gate::tally_row::TallyRow;
@@ -88,6 +88,8 @@ struct Gating<'g> {
     written: usize,
     /// What the steps of each campaign that makes some came to, by the campaign's name.
     steps: Vec<(String, VerdictLine)>,
+    /// What else is to be known of what passed: that there were few pairs.
+    remarks: Vec<String>,
     /// The external engines that cases of the corpus are about.
     in_corpus: BTreeSet<String>,
     /// What external engines answered in all campaigns.
@@ -116,9 +118,9 @@ impl Gate {
             "{file}: there is nothing to check: it has no [[limit]] and no [baseline], and its corpus holds no case"
         );
         let known = match &config.baseline {
-            Some(baseline) if !self.update_baseline => Some(load(baseline)?),
+            Some(baseline) if !self.update_baseline => Some(gate_baseline::load(baseline)?),
             Some(baseline) => {
-                is_baseline(baseline)?;
+                gate_baseline::is_baseline(baseline)?;
                 None
             }
             None => None,
@@ -138,8 +140,9 @@ impl Gate {
         };
         let in_corpus = corpus::engines_of(&config.corpus)?;
         let rotating = self.rotating(&config)?;
-        let (steps, answers, wrong) = (Vec::new(), BTreeMap::new(), Vec::new());
-        let mut gating = Gating { gate: self, config, engines, text, written: 0, steps, in_corpus, answers, wrong };
+        let (steps, remarks, answers, wrong) = (Vec::new(), Vec::new(), BTreeMap::new(), Vec::new());
+        let mut gating =
+            Gating { gate: self, config, engines, text, written: 0, steps, remarks, in_corpus, answers, wrong };
         checks.extend(gating.campaign(FIXED, gating.config.campaign.clone(), known.as_ref())?);
         if let Some(campaign) = rotating {
             print_note(&format!("the rotating seed is {}", campaign.seed));
@@ -210,7 +213,8 @@ impl Gate {
             let answers = gating.answers.iter().map(|(name, answers)| format!("; {name} {}", answers.words()));
             let answers: String = answers.collect();
             let wrong: String = gating.wrong.iter().map(|line| prose(&format!("{line}\n"))).collect();
-            format!("{head}\n\n{steps}{wrong}gate {verdict}: {}{answers}\n", summary(checks))
+            let remarks: String = gating.remarks.iter().map(|line| prose(&format!("{line}\n"))).collect();
+            format!("{head}\n\n{steps}{remarks}{wrong}gate {verdict}: {}{answers}\n", summary(checks))
         };
         self.format.print(text, || {
             let check = |c: &Check| json!({ "verdict": c.status.name(), "group": c.group, "check": c.name, "found": c.message });
@@ -218,7 +222,7 @@ impl Gate {
             let line = |(name, line): &(String, VerdictLine)| json!({ "campaign": name, "severity": line.severity, "text": line.text });
             let steps: Vec<Value> = steps.iter().map(line).collect();
             let skipped = checks.iter().filter(|c| c.status == rockproof_gate::CheckStatus::Skip).count();
-            json!({ "passed": failed == 0, "failed": failed, "skipped": skipped, "checks": all, "steps": steps, "diagnosis": gating.wrong })
+            json!({ "passed": failed == 0, "failed": failed, "skipped": skipped, "checks": all, "steps": steps, "remarks": gating.remarks, "diagnosis": gating.wrong })
         })?;
         if let Some(path) = &self.junit {
             // A file of this gate itself may be there by now.
@@ -233,36 +237,6 @@ impl Gate {
             summary.write_all(junit::markdown(checks).as_bytes()).with_context(|| path.display().to_string())?;
         }
         Ok(if failed == 0 { ExitStatus::Passed } else { ExitStatus::CheckFailed })
-    }
-}
-
-fn load(baseline: &Baseline) -> anyhow::Result<KnownFindings> {
-    let file = baseline.file.display();
-    let text = read_text(&baseline.file).with_context(|| match baseline.file.exists() {
-        true => file.to_string(),
-        false => format!("{file}: no baseline; --update-baseline writes it"),
-    })?;
-    let known: KnownFindings = toml::from_str(&text).with_context(|| file.to_string())?;
-    if known.fields != baseline.fields {
-        let fields = (known.fields.join(", "), baseline.fields.join(", "));
-        anyhow::bail!(
-            "{file}: its fields are {}; the gate's are {}; --update-baseline writes it anew",
-            fields.0,
-            fields.1
-        );
-    }
-    Ok(known)
-}
-
-/// Refuses to write a baseline anew over a file that is none.
-fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
-    let file = baseline.file.display();
-    match read_text(&baseline.file) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        Err(error) => Err(error).with_context(|| file.to_string()),
-        Ok(text) => toml::from_str::<KnownFindings>(&text)
-            .map(drop)
-            .with_context(|| format!("{file} is no baseline, so --update-baseline leaves it alone")),
     }
 }
 
@@ -323,6 +297,8 @@ impl Gating<'_> {
                 print_note(&format!("written: {}", baseline.file.display()));
             }
         }
+        let few = gate_diagnosis::few_pairs_note(journal.progress().pairs_done, &checks);
+        self.remarks.extend(few.map(|few| format!("{name} campaign: {few}")));
         let wrong = gate_diagnosis::lines(&campaign, &mut journal, &checks).unwrap_or_else(|error| {
             // The verdict stands without it.
             print_note(&format!("{name} campaign: nothing is known of what is wrong: {error:#}"));

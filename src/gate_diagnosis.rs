@@ -1,4 +1,5 @@
-//! What a gate says of failed checks: what is wrong with an external engine, and no more of alike rows than anybody reads.
+//! What a gate says of its checks: what is wrong with an external engine where some failed, how little few pairs tell where some passed, and no more of
+//! alike rows than anybody reads.
 
 use crate::campaign::diagnosed;
 use rockproof_campaign::journal::Journal;
@@ -6,6 +7,7 @@ use rockproof_campaign::run::Campaign;
 use rockproof_differential::diagnosis::diagnosis_lines;
 use rockproof_gate::{Check, CheckStatus};
 use rockproof_report::load::Results;
+use rockproof_report::verdict::few_pairs_note as note_of_few;
 use std::sync::atomic::AtomicBool;
 
 /// Failed checks of a baseline that the terminal shows.
@@ -19,6 +21,13 @@ pub(crate) fn lines(campaign: &Campaign<'_>, journal: &mut Journal, checks: &[Ch
     diagnosed(campaign, journal, &AtomicBool::new(false))?;
     let results = Results::read(&[journal.dir().to_owned()])?;
     Ok(results.campaigns.iter().flat_map(|campaign| diagnosis_lines(&campaign.diagnosis)).collect())
+}
+
+/// That a campaign of so many pairs tells little, where a limit or the baseline passed; `None` of more pairs.
+pub(crate) fn few_pairs_note(pairs: u64, checks: &[Check]) -> Option<String> {
+    let is_of_findings = |check: &&Check| ["limit", "baseline"].contains(&check.group);
+    let has_passed = checks.iter().filter(is_of_findings).any(|check| check.status == CheckStatus::Pass);
+    note_of_few(pairs).filter(|_| has_passed)
 }
 
 /// The rows that the terminal shows of some checks: all but cases that pass and, of many failed ones of the baseline, those behind the first.

@@ -12,6 +12,7 @@ mod deny;
 mod examine;
 mod exit;
 mod gate;
+mod gate_baseline;
 mod gate_diagnosis;
 mod gate_settings;
 mod input;

@@ -1,5 +1,7 @@
 //! The baseline: findings that are known, by what makes them alike, and how often they occurred.
 
+mod evidence;
+
 use super::config::Baseline;
 use super::tally::{CampaignTally, ClassCount};
 use super::{CONFIDENCE, Check, CheckStatus};
@@ -103,7 +105,7 @@ impl KnownFindings {
 
     /// The checks of what a campaign found against what is known. In the fixed campaign each fingerprint that is new fails. In
     /// every campaign one fails whose rate is greater than the baseline's by more than chance explains. Where none does, there
-    /// is one check that passes. Findings about steps are left out, and a skipped check says so, where the file was written by a gate that made none; another one says in which `settings` the campaign differs from that of the file.
+    /// is one check that passes. Findings about steps are left out, and a skipped check says so, where the file was written by a gate that made none; another one says in which `settings`, or else in which numbers of pairs, the campaign differs from that of the file.
     pub fn check(
         &self,
         run: &str,
@@ -142,7 +144,10 @@ impl KnownFindings {
             let message = format!("{left_out} sorts of finding about steps: the baseline was written without steps");
             checks.push(rowless(format!("{run}: baseline of steps"), message, CheckStatus::Skip, baseline));
         }
-        let others = self.other_settings(run, settings);
+        let mut others = self.other_settings(run, settings);
+        if run == "fixed" && others.is_empty() {
+            others.extend(self.other_pairs(&now));
+        }
         if !others.is_empty() {
             let message = format!(
                 "{}; what is new or gone may come from that: --update-baseline writes the baseline anew",

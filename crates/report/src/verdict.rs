@@ -212,6 +212,11 @@ pub(super) fn few_pairs() -> String {
     format!("So few pairs tell little: {MIN_PAIRS} show a mistake of one pair in a hundred with 95 %.")
 }
 
+/// What a gate says of so few; `None` of none or of more.
+pub fn few_pairs_note(pairs: u64) -> Option<String> {
+    (1..MIN_PAIRS).contains(&pairs).then(|| format!("{} examined. {}", counted(pairs, "pair", "pairs"), few_pairs()))
+}
+
 /// How many pairs campaigns examined, in words, and which part of how many that is.
 fn pairs_in_words(campaigns: &[CampaignRun]) -> String {
     let pairs = counted_pairs(campaigns);
