@@ -15,7 +15,7 @@ use rockproof_report::latex::latex;
 use rockproof_report::table::{Table, TableCell, counted};
 use rockproof_results::{Start, bounded, digest};
 use rockproof_tune::distribute::StopCriterion;
-use rockproof_tune::report::{as_toml, markdown, sides};
+use rockproof_tune::report::{as_toml, markdown, sides, tolerances_file};
 use rockproof_tune::{EvaluatedCandidate, Evaluator, Search, SearchRecord, TuneError, UnauditedEvaluator};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ use std::time::{Duration, Instant};
   rockproof tune slope.toml --candidates 200 --resume
   mpirun -n 8 rockproof tune slope.toml --candidates 200 --mpi --threads 1
 
-Exit status: 0 done, 1 no set kept every rule without a difference and every block from sinking deeper than `penetration`, 2 usage or input error, 130 interrupted (go on with --resume).")]
+Exit status: 0 done, 1 no set kept every rule without a difference and every block from sinking deeper than `penetration` or overlapping unseen by contacts, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Tune {
     #[arg(help = model_help(), value_hint = clap::ValueHint::FilePath)]
     file: InputFile,
@@ -197,7 +197,7 @@ impl Tune {
         };
         record.write("tune.md", text.as_bytes())?;
         record.write("tune.tex", sides_in_latex(&search).as_bytes())?;
-        record.write("tolerances.toml", as_toml(&best.set).as_bytes())?;
+        record.write("tolerances.toml", tolerances_file(best).as_bytes())?;
         let count = search.tried().len();
         let tried = counted(count as u64, "candidate", "candidates");
         let files = "tolerances.toml, tune.md, tune.tex, candidates.csv, tune.json";
@@ -283,8 +283,12 @@ fn candidate_json(candidate: &EvaluatedCandidate) -> Value {
         "pairs_near_boundary": pairs(m.differences.near),
         "pairs_on_boundary": pairs(m.differences.boundary),
         "contacts_changed_by_tolerances": m.differences.changed,
+        "settling_steps": m.steps_measured.settled,
         "steps": m.steps_measured.steps,
         "steps_deep": m.steps_measured.deep,
+        "steps_unseen": m.steps_measured.unseen.steps,
+        "unseen_pairs": m.steps_measured.unseen.most_pairs,
+        "unseen_m": m.steps_measured.unseen.deepest,
         "unconverged": m.steps_measured.unconverged,
         "steps_refused": m.steps_measured.refused,
         "stopped": m.steps_measured.stopped,

@@ -31,35 +31,80 @@ pub struct Measurement {
     pub lockstep: Option<LockstepMeasures>,
 }
 
-/// The order of merit; smaller is better. See [`Measurement::merit`].
-pub(super) type Merit = (bool, usize, [u64; 2], [u64; 4], u64, Reverse<u64>, u64);
+/// The order of merit: the first field that differs decides, and smaller is better. What has a sample or a range counts in steps, so that what comes
+/// after it has a say.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Merit {
+    /// Whether pairs of the model as given are lost.
+    loses_pairs: bool,
+    /// The deepest overlap that no contact sees after a step, in powers of two; 0 where there is none.
+    pub(super) unseen: u64,
+    /// Rules broken.
+    violated: usize,
+    /// Whether blocks sink deeper than `penetration`.
+    is_deep: bool,
+    /// Pairs that differ as they stand.
+    standing: u64,
+    /// Pairs moved that differ, in steps of twice the root, which is what chance makes of such a count.
+    moved: u64,
+    /// Steps that could not be made, one more where the scene stops at a step that does not converge.
+    failed: u64,
+    /// The share of contacts that differ in steps from the oracle's, in themselves or in their mode, in sixteenths. A share and no count, since a
+    /// set under which fewer contacts are found has fewer that can differ.
+    share: u64,
+    /// Steps that did not converge.
+    unconverged: u64,
+    /// The most by which a pair sinks, in sixteenths.
+    sunk: u64,
+    /// Slack to the nearest rule, in sixteenths.
+    slack: Reverse<u64>,
+    /// Pairs that differ on a boundary.
+    boundary: u64,
+}
+
+impl Merit {
+    /// Whether it is as good as another in all that is cheap and comes before how far blocks sink.
+    pub(super) fn is_no_worse_before_sinking(&self, other: &Merit) -> bool {
+        let key = |m: &Merit| {
+            (m.loses_pairs, m.unseen, m.violated, m.is_deep, [m.standing, m.moved], [m.failed, m.share, m.unconverged])
+        };
+        key(self) <= key(other)
+    }
+}
 
 impl Measurement {
-    /// Whether pairs of the model as given are lost; rules broken; pairs that differ as they stand, and moved; steps that could not be made, one more where the scene stops at a step that does not converge; the share of contacts that differ in steps from the oracle's,
-    /// in themselves or in their mode; whether blocks sink deeper than `penetration`; steps that did not converge; the most by which a pair sinks; slack to the nearest rule; pairs that differ on
-    /// a boundary. What has a sample or a range counts in steps, so that what comes after it has a say: moved pairs in those of twice their root,
-    /// which is what chance makes of such a count; shares, depth, and slack in sixteenths. A share and no count, since a set under which fewer
-    /// contacts are found has fewer that can differ.
+    /// What decides between two sets.
     pub(super) fn merit(&self) -> Merit {
         // The leading digits of a positive f64, in order: sign, exponent and four binary digits.
         let coarse = |value: f64| value.max(0.0).to_bits() >> 48;
+        let made = &self.steps_measured;
         let failed = self.lockstep.as_ref().map_or(0, |lockstep| lockstep.failed);
-        let share = coarse(self.lockstep.as_ref().map_or(0.0, LockstepMeasures::share));
         let d = &self.differences;
-        (
-            self.lost_pairs > 0,
-            self.violated.len(),
-            [d.standing[1], (4 * (d.moved[1] + d.near[1])).isqrt()],
-            [
-                failed + u64::from(self.steps_measured.stopped.is_some() || self.steps_measured.refused > 0),
-                share,
-                u64::from(self.steps_measured.deep > 0),
-                self.steps_measured.unconverged,
-            ],
-            coarse(self.steps_measured.overlaps.sunk),
-            Reverse(coarse(self.tightest.factor)),
-            d.boundary[1],
-        )
+        Merit {
+            loses_pairs: self.lost_pairs > 0,
+            // Sign and exponent, behind 0 for none.
+            unseen: u64::from(made.unseen.steps > 0) + (made.unseen.deepest.to_bits() >> 52),
+            violated: self.violated.len(),
+            is_deep: made.deep > 0,
+            standing: d.standing[1],
+            moved: (4 * (d.moved[1] + d.near[1])).isqrt(),
+            failed: failed + u64::from(made.stopped.is_some() || made.refused > 0),
+            share: coarse(self.lockstep.as_ref().map_or(0.0, LockstepMeasures::share)),
+            unconverged: made.unconverged,
+            sunk: coarse(made.overlaps.sunk),
+            slack: Reverse(coarse(self.tightest.factor)),
+            boundary: d.boundary[1],
+        }
+    }
+
+    /// Whether blocks pass through one another: pairs of the model are lost as given, or overlap unseen after a step.
+    pub(super) fn passing(&self) -> [bool; 2] {
+        [self.lost_pairs > 0, self.steps_measured.unseen.steps > 0]
+    }
+
+    /// Whether blocks pass through one another, or sink so deep that they may: the model is not safe under the set, whatever else is right.
+    pub fn is_unsafe(&self) -> bool {
+        self.passing() != [false; 2] || self.steps_measured.deep > 0
     }
 
     /// The same without what the oracle says of steps.
@@ -73,12 +118,12 @@ impl Measurement {
     }
 
     /// Whether nothing is wrong with the set: every rule kept, no pair of the model lost, no pair that differs but for those on a boundary, no step that
-    /// differs, none after which blocks have sunk deeper than `penetration`, and none that does not converge where the scene stops at it.
+    /// differs, none after which a pair overlaps unseen or blocks have sunk deeper than `penetration`, and none that does not converge where the scene stops at it.
     pub fn is_clean(&self) -> bool {
         let steps = self.lockstep.as_ref().is_some_and(|lockstep| lockstep.failed + lockstep.differ == 0);
-        let holds = self.violated.is_empty() && self.lost_pairs == 0;
         let made = &self.steps_measured;
-        holds && self.differences.avoidable() == 0 && made.stopped.is_none() && made.refused + made.deep == 0 && steps
+        let holds = self.violated.is_empty() && !self.is_unsafe();
+        holds && self.differences.avoidable() == 0 && made.stopped.is_none() && made.refused == 0 && steps
     }
 }
 
@@ -223,8 +268,12 @@ impl Evaluator {
             .map_err(|name| TuneError::Overflow { what: format!("tolerance `{name}`"), precision: self.precision })?;
         let (part, unconverged) = (self.part(&scene), scene.simulation.control.unconverged);
         let steps_measured = match self.precision {
-            Precision::F32 => measure_steps::<f32>(&part, set, &self.initial, self.steps, unconverged)?,
-            Precision::F64 => measure_steps::<f64>(&part, set, &self.initial, self.steps, unconverged)?,
+            Precision::F32 => {
+                measure_steps::<f32>(&part, (set, self.precision), &self.initial, self.steps, unconverged)?
+            }
+            Precision::F64 => {
+                measure_steps::<f64>(&part, (set, self.precision), &self.initial, self.steps, unconverged)?
+            }
         };
         let lost_pairs = self.given.lost(set);
         Ok(Measurement { violated, tightest, lost_pairs, differences, steps_measured, lockstep: None })
@@ -254,5 +303,65 @@ impl Evaluator {
         let mut part = self.cluster.scene.clone();
         part.simulation.joints = scene.simulation.joints.clone();
         part
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::steps::Overlaps;
+    use crate::unseen_overlaps::UnseenOverlaps;
+
+    fn flawless() -> Measurement {
+        Measurement {
+            violated: Vec::new(),
+            tightest: RuleSlack { rule: Rule::Search, factor: 2.0 },
+            lost_pairs: 0,
+            differences: Differences::default(),
+            steps_measured: StepMeasures::default(),
+            lockstep: Some(LockstepMeasures::default()),
+        }
+    }
+
+    fn with_unseen(deepest: f64) -> Measurement {
+        let unseen = UnseenOverlaps { steps: 1, most_pairs: 1, deepest };
+        Measurement { steps_measured: StepMeasures { unseen, ..StepMeasures::default() }, ..flawless() }
+    }
+
+    fn with_deep() -> Measurement {
+        Measurement { steps_measured: StepMeasures { deep: 1, ..StepMeasures::default() }, ..flawless() }
+    }
+
+    /// In this order, best first: nothing wrong; all wrong that is no matter of safety; sunk deep; a rule broken; unseen overlaps, of which only a depth
+    /// of another power of two makes a difference; pairs lost as given.
+    #[test]
+    fn a_model_that_holds_together_comes_before_pairs_and_rules() {
+        let differing = Measurement {
+            differences: Differences { standing: [9, 9], moved: [9, 9], ..Differences::default() },
+            steps_measured: StepMeasures {
+                refused: 3,
+                overlaps: Overlaps { deepest: 1.0, sunk: 1.0 },
+                ..StepMeasures::default()
+            },
+            ..flawless()
+        };
+        let breaking = Measurement { violated: vec![Rule::Search; 3], ..flawless() };
+        let lost = Measurement { lost_pairs: 1, ..flawless() };
+        let order = [flawless(), differing, with_deep(), breaking, with_unseen(1e-3), with_unseen(1e-2), lost];
+        for [better, worse] in order.windows(2).filter_map(|pair| pair.first_chunk()) {
+            assert!(better.is_better_than(worse) && !worse.is_better_than(better), "{better:?} {worse:?}");
+        }
+        assert_eq!(with_unseen(1.0).merit(), with_unseen(1.9).merit());
+        let of_no_depth = Measurement { lockstep: None, ..with_unseen(f64::MIN_POSITIVE / 2.0) };
+        assert!(flawless().is_better_than(&of_no_depth));
+    }
+
+    #[test]
+    fn no_set_is_clean_under_which_blocks_pass_through_one_another() {
+        assert!(flawless().is_clean() && !flawless().is_unsafe());
+        let lost = Measurement { lost_pairs: 1, ..flawless() };
+        for passing in [with_unseen(1e-9), with_deep(), lost] {
+            assert!(passing.is_unsafe() && !passing.is_clean(), "{passing:?}");
+        }
     }
 }

@@ -15,6 +15,7 @@ mod record;
 pub mod report;
 mod search;
 mod steps;
+mod unseen_overlaps;
 
 pub use candidate::{ModelLengths, PlaceFault, SetParameters};
 pub use cluster::{Cluster, ClusterSupport, hold_lowest};
@@ -23,6 +24,7 @@ pub use probes::{Differences, Probes};
 pub use record::{COLUMNS, RecordError, SearchRecord};
 pub use search::{AbsentPreset, CandidateOrigin, EvaluatedCandidate, PendingCandidate, Search};
 pub use steps::{LockstepMeasures, Overlaps, StepMeasures};
+pub use unseen_overlaps::UnseenOverlaps;
 
 use rockproof_campaign::distribute::{DistributeError, WorkerPanic};
 use rockproof_model::SpecError;

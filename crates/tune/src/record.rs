@@ -5,6 +5,7 @@ use super::evaluator::Measurement;
 use super::probes::Differences;
 use super::search::{EvaluatedCandidate, PendingCandidate, Search};
 use super::steps::{LockstepMeasures, Overlaps, StepMeasures};
+use super::unseen_overlaps::UnseenOverlaps;
 use rockproof_differential::row::written;
 use rockproof_model::bounded_rows::BoundedRows;
 use rockproof_model::files::read_limited;
@@ -27,7 +28,7 @@ pub enum RecordError {
 
 /// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
 /// for candidates whose steps the oracle was not asked about.
-pub const COLUMNS: [&str; 43] = [
+pub const COLUMNS: [&str; 47] = [
     "candidate",
     "origin",
     "search",
@@ -54,10 +55,14 @@ pub const COLUMNS: [&str; 43] = [
     "boundary_pairs",
     "boundary_differ",
     "changed_contacts",
+    "settled",
     "steps",
     "penetration_m",
     "sunk_m",
     "steps_deep",
+    "steps_unseen",
+    "unseen_pairs",
+    "unseen_m",
     "unconverged",
     "steps_refused",
     "retries",
@@ -174,9 +179,10 @@ fn row(number: usize, evaluated: &EvaluatedCandidate, best: bool) -> Vec<String>
     row.push(m.lost_pairs.to_string());
     row.extend([d.standing, d.moved, d.near, d.boundary].into_iter().flatten().map(|count| count.to_string()));
     let s = &m.steps_measured;
-    row.extend([d.changed.to_string(), s.steps.to_string()]);
+    row.extend([d.changed, s.settled, s.steps].map(|count| count.to_string()));
     row.extend([format!("{:?}", s.overlaps.deepest), format!("{:?}", s.overlaps.sunk)]);
-    row.push(s.deep.to_string());
+    row.extend([s.deep, s.unseen.steps, s.unseen.most_pairs].map(|count| count.to_string()));
+    row.push(format!("{:?}", s.unseen.deepest));
     row.extend([s.unconverged, s.refused, s.retries].map(|count| count.to_string()));
     row.push(s.stopped.clone().unwrap_or_default());
     let lockstep = m.lockstep.as_ref();
@@ -192,6 +198,10 @@ fn row(number: usize, evaluated: &EvaluatedCandidate, best: bool) -> Vec<String>
 fn restore_rows(file: &Path, table: &[u8], search: &mut Search<'_>) -> Result<(), RecordError> {
     let damaged = |number: usize, what: &str| ResultsError::damaged(file, format!("candidate {number} {what}"));
     let mut reader = csv::Reader::from_reader(BoundedRows::new(table));
+    // A version with other columns measured or ranked otherwise.
+    if reader.headers().map_err(|error| ResultsError::damaged(file, error))? != COLUMNS[..] {
+        return Err(ResultsError::damaged(file, "its columns are those of another version of Rockproof").into());
+    }
     for (number, record) in reader.records().enumerate() {
         let record = record.map_err(|error| ResultsError::damaged(file, error))?;
         let next = search.candidate();
@@ -247,9 +257,15 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
             changed: count("changed_contacts")?,
         },
         steps_measured: StepMeasures {
+            settled: count("settled")?,
             steps: count("steps")?,
             overlaps: Overlaps { deepest: number("penetration_m")?, sunk: number("sunk_m")? },
             deep: count("steps_deep")?,
+            unseen: UnseenOverlaps {
+                steps: count("steps_unseen")?,
+                most_pairs: count("unseen_pairs")?,
+                deepest: number("unseen_m")?,
+            },
             unconverged: count("unconverged")?,
             refused: count("steps_refused")?,
             retries: count("retries")?,
@@ -257,4 +273,35 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
         },
         lockstep,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Evaluator;
+    use rockproof_bench::stepping::wall;
+    use rockproof_model::{Precision, ToleranceSpec};
+
+    #[test]
+    fn a_table_of_another_version_is_not_gone_on_from() {
+        let scene = wall(4).expect("a wall");
+        let evaluator = Evaluator::new(&scene, Precision::F64, 1, Some(1), 0).expect("an evaluator");
+        let mut search = Search::new(&evaluator, &ToleranceSpec::default(), 1).expect("a search");
+        search.step().expect("measures");
+        let rows: Vec<Vec<String>> = search.tried().iter().map(|one| row(0, one, true)).collect();
+        let table = written(&COLUMNS, rows.clone()).expect("a table");
+        let mut again = Search::new(&evaluator, &ToleranceSpec::default(), 1).expect("a search");
+        restore_rows(Path::new(TABLE), &table, &mut again).expect("goes on");
+        assert_eq!(again.tried(), search.tried());
+        // As it was before unseen overlaps were looked for.
+        let kept: Vec<usize> =
+            (0..COLUMNS.len()).filter(|&at| !COLUMNS[at].contains("unseen") && COLUMNS[at] != "settled").collect();
+        let names: Vec<&str> = kept.iter().map(|&at| COLUMNS[at]).collect();
+        let rows = rows.iter().map(|row| kept.iter().map(|&at| row[at].clone()).collect::<Vec<_>>());
+        let table = written(&names, rows).expect("a table");
+        let mut none = Search::new(&evaluator, &ToleranceSpec::default(), 1).expect("a search");
+        let told = restore_rows(Path::new(TABLE), &table, &mut none).expect_err("refused").to_string();
+        assert!(told.starts_with("candidates.csv: its columns are those of another version of Rockproof;"), "{told}");
+        assert!(none.tried().is_empty());
+    }
 }

@@ -4,7 +4,7 @@
 
 use super::evaluator::Measurement;
 use super::search::{EvaluatedCandidate, Search, formulas};
-use super::{AbsentPreset, Cluster, Evaluator};
+use super::{AbsentPreset, Cluster, Evaluator, StepMeasures};
 use rockproof_model::scene::write_tolerances;
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::text::noun;
@@ -17,6 +17,12 @@ const MAX_TRADE_OFFS: usize = 6;
 /// A set as a `[tolerances]` table ready to paste.
 pub fn as_toml(set: &ToleranceSet) -> String {
     write_tolerances(&ToleranceSpec::from(set.clone()))
+}
+
+/// The file of the set that a search recommends: where the model is not safe under it, the first line says so.
+pub fn tolerances_file(recommended: &EvaluatedCandidate) -> String {
+    let warning = why_unsafe(&recommended.measurement).map(|why| format!("# Not safe: {why}.\n"));
+    format!("{}{}", warning.unwrap_or_default(), as_toml(&recommended.set))
 }
 
 /// The whole answer as Markdown. A function of what was tried: no times, no machine.
@@ -107,7 +113,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
 const NOTES: &str = "`differ`: pairs that engine and oracle answer differently: as given + moved at random + moved beside a boundary; in brackets those on a boundary, where \
 rounding the input decides whatever the tolerances. `slack`: the factor by which the tightest rule is met. `changed`: contacts that the \
 tolerances add, remove or change, compared with nearest features alone. `sinks`: the most by which the overlap of two blocks grows beyond that of the scene as \
-given; `unconverged` where steps did not converge at which the scene stops. `lockstep`: steps that differ from the oracle's, of those compared; – where the oracle was not asked. A larger u means longer steps, and fewer of them.";
+given; `unconverged` where steps did not converge at which the scene stops, `unseen` where blocks overlap after a step and no contact sees it. `lockstep`: steps that differ from the oracle's, of those compared; – where the oracle was not asked. A larger u means longer steps, and fewer of them.";
 
 /// The part that is stepped, and what holds it.
 fn part(cluster: &Cluster) -> String {
@@ -168,6 +174,15 @@ pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>
     row("steps with blocks sunk deeper than penetration", &|evaluated| {
         evaluated.measurement.steps_measured.deep.to_string()
     });
+    row("steps with overlaps unseen by contacts (pairs, depth)", &|evaluated| {
+        let unseen = &evaluated.measurement.steps_measured.unseen;
+        let worst = if unseen.steps == 0 {
+            String::new()
+        } else {
+            format!(" ({}, {:.3e} m)", unseen.most_pairs, unseen.deepest)
+        };
+        format!("{}{worst}", unseen.steps)
+    });
     row("deepest overlap after the last step", &|evaluated| {
         format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.deepest)
     });
@@ -218,10 +233,48 @@ fn lockstep(m: &Measurement) -> String {
     m.lockstep.as_ref().map_or("–".to_owned(), |lockstep| format!("{} of {}", lockstep.differ, lockstep.steps))
 }
 
+/// What of overlaps makes the model unsafe under a set, if something does.
+fn why_unsafe(m: &Measurement) -> Option<String> {
+    let made = &m.steps_measured;
+    let mut reasons = Vec::new();
+    if m.lost_pairs > 0 {
+        let pairs = noun(m.lost_pairs, "pair of the model overlaps", "pairs of the model overlap");
+        reasons.push(format!("{} {pairs} deeper than `penetration` or unseen by contacts as given", m.lost_pairs));
+    }
+    reasons.extend(unseen_in_words(made));
+    if made.deep > 0 {
+        let steps = noun(made.deep, "step", "steps");
+        reasons.push(format!("blocks sink deeper than `penetration` after {} {steps}", made.deep));
+    }
+    m.is_unsafe().then(|| reasons.join("; "))
+}
+
+/// What overlaps after steps where no contact sees it, if something does.
+fn unseen_in_words(made: &StepMeasures) -> Option<String> {
+    let pairs = match made.unseen.most_pairs {
+        0 => return None,
+        1 => "1 pair overlaps".to_owned(),
+        count => format!("up to {count} pairs overlap"),
+    };
+    let all = made.settled + made.steps;
+    let steps = noun(all, "step", "steps");
+    Some(format!(
+        "{pairs} unseen by contacts after {} of {all} {steps}, worst {:.3e} m",
+        made.unseen.steps, made.unseen.deepest
+    ))
+}
+
 /// What was found of the best of these candidates.
 fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize) -> std::fmt::Result {
     let m = &tried[best].measurement;
     let d = &m.differences;
+    if let Some(why) = why_unsafe(m) {
+        let others = match tried.iter().all(|other| other.measurement.is_unsafe()) {
+            true => " So it is under every set tried.",
+            false => "",
+        };
+        writeln!(out, "**The model is not safe under this set: {why}.**{others}\n")?;
+    }
     if best == 0 {
         writeln!(out, "The author's own set is the best of what was tried.\n")?;
     }
@@ -246,8 +299,13 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize) -> std::
         false => {
             let others = match tried.iter().filter(|other| other.measurement.violated.is_empty()).count() {
                 0 => "No candidate met every rule; this one breaks".to_owned(),
-                1 => "One candidate meets every rule, but loses pairs of the model; this one breaks".to_owned(),
-                n => format!("{n} candidates meet every rule, but lose pairs of the model; this one breaks"),
+                1 => {
+                    "One candidate meets every rule, but loses pairs of the model or lets some overlap unseen; this one breaks"
+                        .to_owned()
+                }
+                n => format!(
+                    "{n} candidates meet every rule, but lose pairs of the model or let some overlap unseen; this one breaks"
+                ),
             };
             writeln!(out, "{others}: {}.", formulas(&m.violated))?;
         }
@@ -317,8 +375,12 @@ fn with_fewer_differences(tried: &[EvaluatedCandidate], best: &Measurement) -> S
     };
     let other = &other.measurement;
     let broken = other.violated.len();
+    let unseen = |m: &Measurement| m.merit().unseen;
     let why = if other.lost_pairs > 0 && best.lost_pairs == 0 {
         "but loses pairs of the model".to_owned()
+    } else if unseen(other) > unseen(best) {
+        let deeper = if unseen(best) > 0 { "deeper " } else { "" };
+        format!("but lets pairs overlap {deeper}unseen by contacts in its steps")
     } else if broken > best.violated.len() {
         format!("but breaks {broken} {}", noun(broken as u64, "rule", "rules"))
     } else if other.differences.standing[1] > best.differences.standing[1] {
@@ -362,11 +424,14 @@ fn table(out: &mut String, search: &Search<'_>, which: &[usize]) -> std::fmt::Re
         let length = |value: &rockproof_model::Number| format!("{:.3e}", value.approximate());
         let angle = |sine: &rockproof_model::Number| format!("{:.2}°", sine.approximate().asin().to_degrees());
         let made = &m.steps_measured;
-        let steps = match (&made.stopped, made.refused) {
+        let mut steps = match (&made.stopped, made.refused) {
             (Some(_), _) => "stopped".to_owned(),
             (None, 0) => format!("{:.2e} m", made.overlaps.sunk),
             (None, _) => format!("{:.2e} m, unconverged", made.overlaps.sunk),
         };
+        if made.unseen.steps > 0 {
+            steps.push_str(", unseen");
+        }
         writeln!(
             out,
             "| {number} {} | {} | {} | {} | {} | {} | {} | {:.1e} | {} | {} + {} + {} ({}) | {} | {:.2} | {steps} | {} | {} |",
@@ -448,6 +513,11 @@ fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::f
             out,
             "- leaves {theirs} {steps} unconverged, at the first of which `simulate` stops, instead of {ours}"
         )?;
+    }
+    let (ours, theirs) = (unseen_in_words(&best.steps_measured), unseen_in_words(&author.steps_measured));
+    if ours != theirs {
+        let [ours, theirs] = [ours, theirs].map(|words| words.unwrap_or("none".to_owned()));
+        writeln!(out, "- has overlaps that no contact sees in steps: {theirs}; instead of: {ours}")?;
     }
     let (ours, theirs) = (best.steps_measured.deep, author.steps_measured.deep);
     if ours != theirs {

@@ -212,10 +212,11 @@ impl<'w> Search<'w> {
 
     /// Whether the oracle is asked about the steps of the next candidate, which takes much longer than all else: always for the first; later if it is better
     /// than the best so far in what is cheap, or no worse in pairs and rules where the steps of the best differ from the oracle's; and no more often than
-    /// for a quarter of all candidates, but for the first that loses no pair of the model: a set that does is never the best beside it.
+    /// for a quarter of all candidates, but for the first that loses no pair of the model, and the first without unseen overlaps in steps: a set that is worse
+    /// in these is never the best beside it.
     pub(super) fn may_be_best(&self, measurement: &Measurement) -> bool {
         let Some(best) = self.best().map(|best| &self.evaluated[best].measurement) else { return true };
-        if measurement.lost_pairs == 0 && best.lost_pairs > 0 {
+        if measurement.passing() < best.passing() {
             return true;
         }
         let lockstep = self.evaluated.iter().filter(|evaluated| evaluated.measurement.lockstep.is_some()).count();
@@ -224,7 +225,7 @@ impl<'w> Search<'w> {
         }
         let (new, old) = (measurement.screened(), best.screened());
         let faulty = best.lockstep.as_ref().is_some_and(|lockstep| lockstep.failed + lockstep.differ > 0);
-        new < old || (faulty && (new.0, new.1, new.2, new.3) <= (old.0, old.1, old.2, old.3))
+        new < old || (faulty && new.is_no_worse_before_sinking(&old))
     }
 
     /// What measures.
@@ -252,13 +253,15 @@ impl<'w> Search<'w> {
     }
 
     /// The best candidate, then those that no other beats in all of: pairs that differ, sinking, slack to the nearest rule, length of a step, contacts
-    /// changed by tolerances; by pairs that differ, then sinking. All keep every rule, and lose no pair of the model if the best loses none.
+    /// changed by tolerances; by pairs that differ, then sinking. All keep every rule, and none loses a pair of the model, or lets one overlap unseen, if the best
+    /// does not.
     pub fn front(&self) -> Vec<usize> {
-        let may_lose = self.best().is_some_and(|best| self.evaluated[best].measurement.lost_pairs > 0);
+        let of_best = self.best().map_or([true; 2], |best| self.evaluated[best].measurement.passing());
+        let no_worse = |own: [bool; 2]| own.iter().zip(of_best).all(|(own, best)| *own <= best);
         let fine: Vec<usize> = (0..self.evaluated.len())
             .filter(|&k| {
                 let m = &self.evaluated[k].measurement;
-                m.violated.is_empty() && m.steps_measured.stopped.is_none() && (may_lose || m.lost_pairs == 0)
+                m.violated.is_empty() && m.steps_measured.stopped.is_none() && no_worse(m.passing())
             })
             .collect();
         let costs = |k: usize| {
@@ -288,4 +291,45 @@ impl<'w> Search<'w> {
 /// The rules as a list of their formulas.
 pub(super) fn formulas(rules: &[Rule]) -> String {
     rules.iter().map(|rule| rule.formula()).collect::<Vec<_>>().join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::UnseenOverlaps;
+    use rockproof_bench::stepping::wall;
+    use rockproof_model::Precision;
+
+    /// The first set lets blocks overlap unseen, and so do others that the oracle is asked about until it is asked no more: but for one under which
+    /// none does. That is the best then, and no trade-off is one that does.
+    #[test]
+    fn the_first_set_without_unseen_overlaps_is_always_put_to_the_oracle() {
+        let scene = wall(4).expect("a wall");
+        let evaluator = Evaluator::new(&scene, Precision::F64, 1, Some(1), 0).expect("an evaluator");
+        let mut search = Search::new(&evaluator, &ToleranceSpec::default(), 1).expect("a search");
+        let measured = evaluator.measure(&search.candidate().set).expect("measures");
+        let lockstep = evaluator.lockstep(&search.candidate().set).expect("steps");
+        let unseen = UnseenOverlaps { steps: 1, most_pairs: 1, deepest: 0.01 };
+        let passing = |differ: u64| {
+            let mut passing = measured.clone();
+            passing.steps_measured.unseen = unseen;
+            passing.differences.standing[1] = differ;
+            passing
+        };
+        for differ in (0..19).rev() {
+            let next = search.candidate();
+            let mut measurement = passing(differ);
+            measurement.lockstep = search.may_be_best(&measurement).then(|| lockstep.clone());
+            search.add(next, measurement);
+        }
+        assert!(!search.may_be_best(&passing(0)), "the oracle is asked no more");
+        // Worse in pairs, which come after.
+        let mut whole = measured.clone();
+        whole.differences.standing[1] = 30;
+        assert!(search.may_be_best(&whole));
+        whole.lockstep = Some(lockstep);
+        assert!(search.front().len() > 1);
+        search.add(search.candidate(), whole);
+        assert_eq!((search.best(), search.front()), (Some(19), vec![19]));
+    }
 }

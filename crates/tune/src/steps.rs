@@ -1,6 +1,7 @@
 //! What steps of the part come to under a set: the stepper by itself, and with the oracle beside it.
 
 use super::TuneError;
+use super::unseen_overlaps::{UnseenOverlaps, unseen_depths};
 use rayon::prelude::*;
 use rockproof_differential::lockstep::run::KEPT_PRECISION;
 use rockproof_differential::lockstep::scene::ExactScene;
@@ -15,12 +16,16 @@ use serde::{Deserialize, Serialize};
 /// What steps under a set came to.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepMeasures {
+    /// Settling steps made.
+    pub settled: u64,
     /// Steps made, settling not counted.
     pub steps: u64,
     /// The exact overlaps.
     pub overlaps: Overlaps,
     /// Steps, settling too, after which a pair overlaps deeper than `penetration`, and deeper than in the scene as given.
     pub deep: u64,
+    /// What of the overlaps no contact sees.
+    pub unseen: UnseenOverlaps,
     /// Steps accepted without converging.
     pub unconverged: u64,
     /// Those of them at which the scene says that a run stops: all or none.
@@ -90,10 +95,14 @@ impl InitialOverlaps {
         }
     }
 
-    /// The overlaps of the blocks where they are now, and whether a pair that sank is deeper than `penetration`.
-    fn overlaps(&self, blocks: &[Block], penetration: f64) -> (Overlaps, bool) {
-        let now = self.pairs.par_iter().map(|(pair, before)| {
-            let deepest = depth(pair.map(|k| &blocks[k]));
+    /// How deep the pairs overlap where the blocks are now.
+    fn depths(&self, blocks: &[Block]) -> Vec<([usize; 2], f64)> {
+        self.pairs.par_iter().map(|(pair, _)| (*pair, depth(pair.map(|k| &blocks[k])))).collect()
+    }
+
+    /// The overlaps, given those depths, and whether a pair that sank is deeper than `penetration`.
+    fn overlaps(&self, depths: &[([usize; 2], f64)], penetration: f64) -> (Overlaps, bool) {
+        let now = self.pairs.iter().zip(depths).map(|((_, before), &(_, deepest))| {
             let sunk = Some(deepest - before).filter(|sunk| *sunk > self.nothing).unwrap_or(0.0);
             (Overlaps { deepest, sunk }, sunk > 0.0 && deepest > penetration)
         });
@@ -101,7 +110,7 @@ impl InitialOverlaps {
             let [deepest, sunk] = [one.deepest.max(other.deepest), one.sunk.max(other.sunk)];
             (Overlaps { deepest, sunk }, deep || also)
         };
-        now.reduce(|| (Overlaps::default(), false), worse)
+        now.fold((Overlaps::default(), false), worse)
     }
 }
 
@@ -118,10 +127,10 @@ fn boxes_overlap(a: &Block, b: &Block) -> bool {
     below(&a.min, &b.max) && below(&b.min, &a.max)
 }
 
-/// Steps the part and looks after each step how deep its blocks overlap. `unconverged` is what the scene does where a step does not converge; here the part goes on.
+/// Steps the part and looks after each step how deep its blocks overlap, and whether contacts see it. `unconverged` is what the scene does where a step does not converge; here the part goes on.
 pub(super) fn measure_steps<R: Solve>(
     part: &Scene,
-    set: &ToleranceSet,
+    (set, precision): (&ToleranceSet, Precision),
     initial: &InitialOverlaps,
     steps: u64,
     unconverged: Unconverged,
@@ -132,9 +141,13 @@ pub(super) fn measure_steps<R: Solve>(
     while found.steps < steps && found.stopped.is_none() {
         match dynamics.step() {
             Ok(report) => {
-                let (now, is_deep) = initial.overlaps(&placed(part, dynamics.state()), penetration);
+                let blocks = placed(part, dynamics.state());
+                let depths = initial.depths(&blocks);
+                let (now, is_deep) = initial.overlaps(&depths, penetration);
                 found.overlaps = Overlaps { deepest: now.deepest, sunk: now.sunk.max(found.overlaps.sunk) };
                 found.deep += u64::from(is_deep);
+                found.unseen.add(&unseen_depths(&blocks, dynamics.state(), &depths, (set, precision)));
+                found.settled += u64::from(report.step <= 0);
                 found.steps = dynamics.state().step;
                 found.unconverged += u64::from(!report.converged);
                 found.retries += report.retries.len() as u64;
@@ -170,7 +183,6 @@ pub(super) fn measure_lockstep<R: Solve>(
         .rounded(precision)
         .map_err(|overflow| TuneError::Overflow { what: format!("`{}`", overflow.0), precision })?;
     let shapes = rounded.scene().shapes();
-    let penetration = set.penetration.approximate();
     let mut found = LockstepMeasures::default();
     while dynamics.state().step < steps {
         let is_last = dynamics.state().settling == 0 && dynamics.state().step + 1 == steps;
@@ -181,7 +193,8 @@ pub(super) fn measure_lockstep<R: Solve>(
         let made = dynamics.step();
         let exact = if is_last {
             rounded.step(&before, KEPT_PRECISION).map(|step| {
-                found.deepest = Some(initial.overlaps(&rounded.blocks_at(&step.state), penetration).0.deepest);
+                let depths = initial.depths(&rounded.blocks_at(&step.state));
+                found.deepest = Some(depths.iter().fold(0.0, |most, (_, depth)| depth.max(most)));
                 StepDecisions::of_oracle(&step)
             })
         } else {

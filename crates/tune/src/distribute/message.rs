@@ -46,6 +46,7 @@ pub(super) enum SearchReport {
 
 /// What came of a job; why there is nothing, otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant, reason = "there are as many as processes, each in a box while it travels")]
 pub(super) enum JobResult {
     Measured(Result<Measurement, String>),
     Lockstep(Result<LockstepMeasures, String>),
