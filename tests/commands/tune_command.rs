@@ -401,6 +401,25 @@ fn a_set_under_which_blocks_overlap_unseen_is_not_without_fault() {
     }
 }
 
+/// What is said of steps is about those that were made, after a part of the settling.
+#[test]
+fn steps_that_equal_the_oracles_are_said_to_come_after_a_part_of_the_settling() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let [scene, out] = ["ridges.toml", "out"].map(|name| path(dir.path(), name));
+    for (settle, told) in [
+        (
+            20,
+            "All 6 steps, 5 of the 20 settling steps of the scene included, equal the oracle's: in a whole run others may differ.\n",
+        ),
+        (5, "All 6 steps, settling included, equal the oracle's.\n"),
+    ] {
+        fs::write(&scene, ridges(settle)).expect("write");
+        let args = ["tune", &scene, "--candidates", "1", "--steps", "1", "--out", &out, "--overwrite"];
+        let (_, printed, err) = rockproof(&args);
+        assert!(printed.contains(told), "{settle}: {printed}{err}");
+    }
+}
+
 /// Under the rules of thumb with a small territory fewer moved pairs differ, and the stones of the arch go through one another.
 #[test]
 fn a_set_under_which_an_arch_collapses_is_not_recommended() {

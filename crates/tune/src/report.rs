@@ -39,7 +39,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
         return writeln!(out, "Nothing was tried.");
     };
     writeln!(out, "# Tolerances for {name}, {}\n", evaluator.precision())?;
-    verdict(out, evaluated, best)?;
+    verdict(out, evaluated, best, evaluator)?;
     overlaps(out, &evaluated[best].measurement, evaluator.overlapping())?;
     writeln!(out, "\n```toml\n{}```\n", as_toml(&evaluated[best].set))?;
     writeln!(out, "## Measured on\n")?;
@@ -127,7 +127,7 @@ fn part(cluster: &Cluster) -> String {
 
 /// The settling before the steps.
 fn settling(evaluator: &Evaluator) -> String {
-    let [made, given] = [&evaluator.cluster.scene, evaluator.scene()].map(|scene| scene.simulation.control.settle);
+    let [made, given] = settling_steps(evaluator);
     match made {
         0 => "without settling, as the scene has none".to_owned(),
         made if made < given => format!("after {made} of the {given} settling steps of the scene"),
@@ -264,8 +264,21 @@ fn unseen_in_words(made: &StepMeasures) -> Option<String> {
     ))
 }
 
+/// Settling steps of the part, and of the scene.
+fn settling_steps(evaluator: &Evaluator) -> [u32; 2] {
+    [&evaluator.cluster.scene, evaluator.scene()].map(|scene| scene.simulation.control.settle)
+}
+
+/// Which settling is among the steps that the oracle made.
+fn settling_among(evaluator: &Evaluator) -> String {
+    match settling_steps(evaluator) {
+        [made, given] if made < given => format!("{made} of the {given} settling steps of the scene included"),
+        _ => "settling included".to_owned(),
+    }
+}
+
 /// What was found of the best of these candidates.
-fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize) -> std::fmt::Result {
+fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize, evaluator: &Evaluator) -> std::fmt::Result {
     let m = &tried[best].measurement;
     let d = &m.differences;
     if let Some(why) = why_unsafe(m) {
@@ -355,12 +368,20 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize) -> std::
     }
     match &m.lockstep {
         Some(lockstep) if lockstep.differ + lockstep.failed == 0 => {
-            writeln!(out, "All {} steps, settling included, equal the oracle's.", lockstep.steps)
+            let [made, given] = settling_steps(evaluator);
+            let whole_run = if made < given { ": in a whole run others may differ" } else { "" };
+            writeln!(out, "All {} steps, {}, equal the oracle's{whole_run}.", lockstep.steps, settling_among(evaluator))
         }
         Some(lockstep) => writeln!(
             out,
-            "{} of {} steps, settling included, differ from the oracle's ({} of {} contacts, and {} modes); one side could not make {}.",
-            lockstep.differ, lockstep.steps, lockstep.contacts, lockstep.found, lockstep.modes, lockstep.failed
+            "{} of {} steps, {}, differ from the oracle's ({} of {} contacts, and {} modes); one side could not make {}.",
+            lockstep.differ,
+            lockstep.steps,
+            settling_among(evaluator),
+            lockstep.contacts,
+            lockstep.found,
+            lockstep.modes,
+            lockstep.failed
         ),
         None => Ok(()),
     }
