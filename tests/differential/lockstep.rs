@@ -5,7 +5,7 @@ use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::answer::{StepDecisions, compare};
 use rockproof_differential::lockstep::run::KEPT_PRECISION;
 use rockproof_differential::lockstep::scene::ExactScene;
-use rockproof_differential::lockstep::state::{converted, exact_state};
+use rockproof_differential::lockstep::state::exact_state;
 use rockproof_differential::lockstep::state_errors::{anchor_error, largest_distance, rate_error};
 use rockproof_differential::lockstep::wide::{WideDecisions, WideStep, WideStepper};
 use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Drift, Intrusion, Lockstep, StepCase};
@@ -74,7 +74,7 @@ fn agree(name: &str, scene: &ExactScene, steps: usize) -> Ties {
             assert!(stepped.unsettled > 0, "{text}");
             ties.differing.push(text);
         }
-        state = converted(&after);
+        state = after.in_scalar();
     }
     ties
 }

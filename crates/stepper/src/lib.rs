@@ -5,6 +5,7 @@
 //! code from a difference that rounding made. Nothing here uses the exact oracle or its arithmetic.
 
 pub mod contact;
+mod double;
 pub mod dynamics;
 pub mod engine;
 mod lazy_wide;

@@ -11,6 +11,7 @@ mod sealed {
     impl Sealed for f32 {}
     impl Sealed for f64 {}
     impl Sealed for crate::wide::Wide {}
+    impl Sealed for crate::double::Double {}
     impl Sealed for crate::lazy_wide::LazyWide {}
     impl Sealed for crate::motion_interval::MotionInterval {}
 }
@@ -78,6 +79,18 @@ pub trait Real:
 
     /// `self < other` for certain, not counted as a decision: of `Wide` both balls, of floats as [`Real::below`].
     fn surely_below(self, other: Self) -> bool;
+
+    /// Whether what is below another cannot be told in all cases, and a choice of the larger must come to the same whichever is taken: else it is
+    /// counted as a comparison that is left unsettled ([`Real::surely_below_uncounted`]).
+    const DOUBTS_CHOICES: bool = false;
+
+    /// [`Real::surely_below`] where that is counted.
+    fn surely_below_uncounted(self, other: Self) -> bool {
+        self.surely_below(other)
+    }
+
+    /// Counts a choice that depends on which of two numbers is the larger, of which that is not known.
+    fn count_doubtful_choice() {}
 
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;

@@ -117,6 +117,11 @@ pub fn count_unsettled<T>(work: impl FnOnce() -> T) -> (T, u64) {
     (result, UNSETTLED.get())
 }
 
+/// Counts a comparison that another scalar leaves unsettled.
+pub(crate) fn count_one_unsettled() {
+    UNSETTLED.set(UNSETTLED.get() + 1);
+}
+
 /// What `work` gives if all its comparisons are settled. It may end early once one is not. Counts on this thread only.
 pub fn settled<T>(work: impl FnOnce() -> T) -> Option<T> {
     let _settled_only = SettledOnly::begin();
@@ -264,7 +269,7 @@ impl Wide {
     /// Whether the middle is above zero. Not counted, but where [`in_bits`] cuts results and the middle is zero by rounding: it would go on as exact.
     pub fn middle_is_positive(self) -> bool {
         if self.is_zero() && !self.is_exact() && KEPT.get() < MAX_DIGITS {
-            UNSETTLED.set(UNSETTLED.get() + 1);
+            count_one_unsettled();
         }
         self.is_known() && !self.negative && !self.is_zero()
     }
@@ -589,7 +594,7 @@ impl PartialOrd for Wide {
         let difference = *self - *other;
         let order = difference.settled_sign();
         if order.is_none() {
-            UNSETTLED.set(UNSETTLED.get() + 1);
+            count_one_unsettled();
         }
         order.or(difference.is_known().then_some(Ordering::Equal))
     }

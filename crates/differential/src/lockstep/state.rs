@@ -92,36 +92,3 @@ pub fn rounded_state(state: &exact::State, precision: Precision) -> Option<exact
     }
     Some(rounded)
 }
-
-/// A state in another scalar: the numbers nearest to those of `state`, which lose nothing where the scalar is a finer one.
-pub fn converted<R: Real, S: Real>(state: &State<R>) -> State<S> {
-    let scalar = |value: R| S::from_f64(value.to_f64());
-    let vector = |v: Vector<R>| Vector::new(scalar(v.x), scalar(v.y), scalar(v.z));
-    let vectors = |all: &[Vector<R>]| all.iter().map(|v| vector(*v)).collect();
-    let block = |block: &BlockState<R>| BlockState {
-        vertices: vectors(&block.vertices),
-        velocity: block.velocity.map(scalar),
-        stress: block.stress.map(scalar),
-    };
-    let contact = |c: &ContactState<R>| ContactState {
-        blocks: c.blocks,
-        contact: c.contact,
-        mode: c.mode,
-        anchors: c.anchors.map(vector),
-        gap: scalar(c.gap),
-        normal: vector(c.normal),
-        points: c.points.map(vector),
-        force: vector(c.force),
-    };
-    State {
-        step: state.step,
-        time: scalar(state.time),
-        settling: state.settling,
-        last_time_step: scalar(state.last_time_step),
-        blocks: state.blocks.iter().map(block).collect(),
-        load_points: vectors(&state.load_points),
-        fixed_points: vectors(&state.fixed_points),
-        measured_points: vectors(&state.measured_points),
-        contacts: state.contacts.iter().map(contact).collect(),
-    }
-}

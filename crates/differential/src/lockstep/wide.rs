@@ -2,12 +2,15 @@
 
 use crate::lockstep::answer::StepDecisions;
 use crate::lockstep::scene::ExactScene;
-use crate::lockstep::state::converted;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use rockproof_model::ToleranceSet;
-use rockproof_stepper::dynamics::{Dynamics, SetupError, State, StepError, StepRules};
+use rockproof_stepper::contact::SpecRules;
+use rockproof_stepper::dynamics::{
+    BlockContacts, DoubleDecisions, DoubleSteps, Dynamics, SetupError, State, StepError, StepRules,
+};
 use rockproof_stepper::real::Real;
 use rockproof_stepper::wide::{BITS, Wide, count_unsettled, in_bits};
+use std::any::TypeId;
 
 /// Bits in which the iteration of a step is made first: it seldom has a comparison that these leave unsettled.
 pub const FEWER_BITS: u32 = 128;
@@ -18,6 +21,8 @@ pub struct WideStepper<M> {
     dynamics: Dynamics<Wide, M>,
     /// The same in fewer bits, if it can be made.
     in_fewer_bits: Option<Dynamics<Wide, M>>,
+    /// The same in two f64, by the rules of SPEC alone, if it can be made.
+    in_double: Option<DoubleSteps>,
     tolerances: ToleranceSet,
     /// One thread, because unsettled comparisons are counted where they are made.
     alone: ThreadPool,
@@ -61,32 +66,55 @@ impl<M: StepRules> WideStepper<M> {
         let alone = ThreadPoolBuilder::new().num_threads(1).build()?;
         let made = |bits| alone.install(|| in_bits(bits, || Dynamics::with_rules(scene.scene(), scene.tolerances())));
         let (dynamics, in_fewer_bits) = (made(BITS)?, made(FEWER_BITS).ok());
-        Ok(WideStepper { dynamics, in_fewer_bits, tolerances: scene.tolerances().clone(), alone })
+        let in_double = match TypeId::of::<M>() == TypeId::of::<SpecRules>() {
+            true => alone.install(|| DoubleSteps::begin(scene.scene(), scene.tolerances())),
+            false => None,
+        };
+        Ok(WideStepper { dynamics, in_fewer_bits, in_double, tolerances: scene.tolerances().clone(), alone })
     }
 
     /// What one step from a state of the scene decides, and the comparisons left unsettled, as [`WideStepper::step`] has them. Contacts are found in
-    /// f64 wherever that settles a comparison, and the rest is made in fewer bits if these settle all its comparisons.
+    /// two f64 or in f64 wherever that settles a comparison, and the rest is made in two f64 or in fewer bits if these settle all its comparisons.
     ///
     /// # Errors
     /// When the state is none of the scene.
-    pub fn decide<R: Real>(&mut self, state: &State<R>) -> Result<WideDecisions, SetupError> {
-        if let Some(decisions) = self.decide_in_fewer_bits(state) {
+    pub fn decide<R: Real + Sync>(&mut self, state: &State<R>) -> Result<WideDecisions, SetupError> {
+        let set = &self.tolerances;
+        let in_double = self.in_double.as_mut();
+        let found = in_double.and_then(|in_double| {
+            let found = self.alone.install(|| in_double.decide(state, set))?;
+            Some((found, in_double.modes()))
+        });
+        let contacts = match found {
+            Some((DoubleDecisions { contacts, unsettled, decided: Some(decided) }, modes)) => {
+                return Ok(WideDecisions {
+                    outcome: Ok(StepDecisions::of_decided(contacts, &decided, modes)),
+                    unsettled,
+                });
+            }
+            found => found.map(|(found, _)| (found.contacts, found.unsettled)),
+        };
+        if let Some(decisions) = self.decide_in_fewer_bits(state, contacts) {
             return Ok(decisions);
         }
         let WideStep { outcome, unsettled } = self.step(state)?;
         Ok(WideDecisions { outcome: outcome.map(|(decisions, _)| decisions), unsettled })
     }
 
-    /// The same, unless the contacts cannot be found in f64.
-    fn decide_in_fewer_bits<R: Real>(&mut self, state: &State<R>) -> Option<WideDecisions> {
-        let state: State<Wide> = converted(state);
+    /// The same with these contacts, in finding which 512 bits leave so many comparisons unsettled, or with those that can be found in f64.
+    fn decide_in_fewer_bits<R: Real>(
+        &mut self,
+        state: &State<R>,
+        contacts: Option<(BlockContacts, u64)>,
+    ) -> Option<WideDecisions> {
+        let state: State<Wide> = state.in_scalar();
         let in_fewer_bits = self.in_fewer_bits.as_mut()?;
         let (dynamics, set) = (&mut self.dynamics, &self.tolerances);
         self.alone.install(|| {
             let (restored, in_restoring) =
                 count_unsettled(|| in_bits(FEWER_BITS, || in_fewer_bits.restore(state.clone())));
             restored.ok()?;
-            let (contacts, in_contacts) = in_fewer_bits.filtered_contacts(set)?;
+            let (contacts, in_contacts) = contacts.or_else(|| in_fewer_bits.filtered_contacts(set))?;
             let work = || in_bits(FEWER_BITS, || in_fewer_bits.decide_prescribed(&contacts));
             let (decided, in_iteration) = count_unsettled(work);
             if let (Ok(decided), 0) = (decided, in_restoring + in_iteration) {
@@ -105,7 +133,7 @@ impl<M: StepRules> WideStepper<M> {
     /// # Errors
     /// When the state is none of the scene.
     pub fn step<R: Real>(&mut self, state: &State<R>) -> Result<WideStep, SetupError> {
-        let state: State<Wide> = converted(state);
+        let state: State<Wide> = state.in_scalar();
         let dynamics = &mut self.dynamics;
         let work = || dynamics.restore(state).map(|()| dynamics.step());
         let (report, unsettled) = self.alone.install(|| count_unsettled(work));

@@ -7,6 +7,7 @@ use crate::contact::classify::{ClassificationRequest, ComputedContact};
 use crate::contact::contact_rules::{ContactRules, SpecRules};
 use crate::contact::prepared_block::{Collapsed, CollapsedPart, PreparedBlock};
 use crate::contact::trace::{Trace, Unobserved};
+use crate::double::Double;
 use crate::lazy_wide::LazyWide;
 use crate::real::Real;
 use crate::vector::Vector;
@@ -76,4 +77,4 @@ macro_rules! compiled {
     )*};
 }
 
-compiled!(f32, f64, Wide, LazyWide);
+compiled!(f32, f64, Double, Wide, LazyWide);

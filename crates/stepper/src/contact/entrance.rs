@@ -1,5 +1,8 @@
 //! Entrances: the planes through which two blocks enter one another, and which of them a contact takes.
 
+#[cfg(test)]
+mod tests;
+
 use crate::contact::contact_rules::ContactRules;
 use crate::contact::pair::Pair;
 use crate::contact::trace::Observer;
@@ -160,6 +163,9 @@ pub(super) fn first_of_the_best<R: Real, M: ContactRules, K: Ord + Copy>(
     gaps: impl Iterator<Item = (usize, R, K)> + Clone,
     equal: R,
 ) -> Option<usize> {
+    if R::DOUBTS_CHOICES {
+        return first_of_any_best::<R, M, K>(gaps, equal);
+    }
     let (mut best_at, mut best, mut chosen_key) = gaps.clone().next()?;
     for (k, gap, key) in gaps.clone() {
         if M::better(gap, best) {
@@ -174,4 +180,28 @@ pub(super) fn first_of_the_best<R: Real, M: ContactRules, K: Ord + Copy>(
         }
     }
     Some(chosen)
+}
+
+/// The same in a scalar that may not tell which gap is the largest.
+///
+/// Each gap that may be the largest is taken for it in turn, and every gap compared with it by Eq. (1). Where these comparisons are settled and
+/// say the same of all, the choice and its comparisons are those of [`first_of_the_best`] in `Wide`: it takes for the largest one that has the largest
+/// middle there, so none that is surely below another, and makes some of these comparisons.
+fn first_of_any_best<R: Real, M: ContactRules, K: Ord + Copy>(
+    gaps: impl Iterator<Item = (usize, R, K)> + Clone,
+    equal: R,
+) -> Option<usize> {
+    let larger = |best: R, (_, gap, _): (usize, R, K)| if best.surely_below_uncounted(gap) { gap } else { best };
+    let (_, first, _) = gaps.clone().next()?;
+    let large = gaps.clone().fold(first, larger);
+    let mut chosen = None;
+    for (best_at, best, best_key) in gaps.clone().filter(|&(_, gap, _)| !gap.surely_below_uncounted(large)) {
+        let equals = gaps.clone().filter(|&(k, gap, _)| k == best_at || M::equals_best(gap, best, equal));
+        let first = equals.fold((best_at, best_key), |first, (k, _, key)| if key < first.1 { (k, key) } else { first });
+        if chosen.is_some_and(|chosen| chosen != first.0) {
+            R::count_doubtful_choice();
+        }
+        chosen = Some(first.0);
+    }
+    chosen
 }

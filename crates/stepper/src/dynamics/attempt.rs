@@ -97,10 +97,9 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
         };
         // Blocks of very large islands that were not solved.
         let mut known = HashSet::new();
-        contacts.iter_mut().for_each(StepContact::reset::<M>);
         let prescribed = |solve: u32, contact: usize| self.prescribed?.get(solve as usize)?.get(contact).copied();
         for (k, contact) in contacts.iter_mut().enumerate() {
-            contact.iterate.mode = prescribed(0, k).unwrap_or(contact.iterate.mode);
+            contact.reset::<M>(prescribed(0, k).unwrap_or(contact.begins));
         }
         let blocks: Vec<[u32; 2]> = contacts.iter().map(|contact| contact.blocks).collect();
         let mut modes: Vec<Mode> = contacts.iter().map(|contact| contact.iterate.mode).collect();

@@ -4,6 +4,7 @@
 //! of [`CompiledSteps`], which have no type parameter left. Steps by other rules, those of tests, take the generic way.
 
 use crate::contact::SpecRules;
+use crate::double::Double;
 use crate::dynamics::decided::DecidedStep;
 use crate::dynamics::prescribed::PrescribedStep;
 use crate::dynamics::report::{StepError, StepReport};
@@ -73,4 +74,4 @@ macro_rules! compiled {
     )*};
 }
 
-compiled!(f32, f64, Wide);
+compiled!(f32, f64, Double, Wide);

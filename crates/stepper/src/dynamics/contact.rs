@@ -108,15 +108,16 @@ impl<R: Real> StepContact<R> {
         Resistance { mode, normal, pressing, shear, across: friction.across, spring: friction.spring }
     }
 
-    /// As it was when the step began. The last slip of a sliding contact is then s0, and f = p_s·s0: what the dragged anchor remembers.
-    pub(super) fn reset<M: StepRules>(&mut self) {
+    /// As it was when the step began, with the mode of the first solve. The last slip of a sliding contact is then s0, and f = p_s·s0: what the dragged
+    /// anchor remembers.
+    pub(super) fn reset<M: StepRules>(&mut self, mode: Mode) {
         let (shear, stretch) = (self.joint.shear, self.first_stretch());
-        self.iterate = ContactIterate {
-            mode: self.begins,
-            gap: self.plane.gap,
-            stretch,
-            friction: Friction::along::<M>(stretch, shear, shear, self.plane.normal),
+        // Of others nobody asks it, and a stretch that is nothing but for rounding would leave open whether there is one.
+        let friction = match mode {
+            Mode::Sliding => Friction::along::<M>(stretch, shear, shear, self.plane.normal),
+            Mode::Locked | Mode::Open => Friction::NONE,
         };
+        self.iterate = ContactIterate { mode, gap: self.plane.gap, stretch, friction };
     }
 
     /// The part of a vector across the normal.

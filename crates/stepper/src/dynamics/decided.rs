@@ -70,11 +70,11 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
 }
 
 /// Whether a block, moved by these unknowns, surely keeps a positive volume and all its features, so that nothing about it can fail in a scalar of
-/// 128 bits and more.
+/// 100 bits and more.
 ///
 /// The map of its points has a linear part I + E, turned in `cayley`, with E of a norm below 1/2 where rotations and strains sum up to less than
 /// 1/4. So its volume is multiplied by more than an eighth, its lengths and areas by more than a quarter; and the plane of a face, to which an edge
-/// of it is inclined by less than a quarter before, holds a direction across the edge afterwards. Against that the roundings of 2⁻¹²⁰ are nothing
+/// of it is inclined by less than a quarter before, holds a direction across the edge afterwards. Against that the roundings of 2⁻⁹⁶ are nothing
 /// where no length, area and volume is below 2⁻⁴⁰ of what the block's size makes of it, nor are the radii of the unknowns.
 fn stays_whole<R: Real>(block: &PreparedBlock<R>, d: &BlockVector<R>) -> bool {
     let size = block.extent();

@@ -1,6 +1,7 @@
 //! The contacts of a step in 512 bits, found in f64 wherever that settles a comparison ([`crate::lazy_wide`]).
 
 use crate::contact::{PreparedBlock, Tolerances, classify_with_kept};
+use crate::dynamics::solve::Solve;
 use crate::dynamics::step::Dynamics;
 use crate::dynamics::step_rules::StepRules;
 use crate::dynamics::transfer;
@@ -21,32 +22,54 @@ impl<M: StepRules> Dynamics<Wide, M> {
         if !self.state.blocks.iter().flat_map(|block| &block.vertices).all(is_f64) {
             return None;
         }
+        let pairs = self.neighbouring_pairs();
+        let (found, unsettled) = self.contacts_in_wide(&pairs, set)?;
+        let found = pairs.iter().zip(found);
+        let contacts = found.flat_map(|(&pair, contacts)| contacts.into_iter().map(move |contact| (pair, contact)));
+        Some((contacts.collect(), unsettled))
+    }
+}
+
+impl<S: Solve, M: StepRules> Dynamics<S, M> {
+    /// All pairs of blocks that may be neighbours.
+    pub(super) fn neighbouring_pairs(&mut self) -> Vec<[u32; 2]> {
         let fixed: Vec<bool> = (0..self.prepared.len()).map(|block| self.is_fixed(block)).collect();
-        let pairs = self.neighbours.pairs(&self.prepared, &fixed, &self.setup.tolerances).0.to_vec();
-        let (contacts, unsettled) = noted(|| count_unsettled(|| self.contacts_of::<LazyWide>(&pairs, set)))?;
+        self.neighbours.pairs(&self.prepared, &fixed, &self.setup.tolerances).0.to_vec()
+    }
+
+    /// The contacts of a pair that the step before left closed.
+    pub(super) fn kept_contacts(&self, pair: [u32; 2]) -> Vec<ContactKey> {
+        let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
+        old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key).collect()
+    }
+
+    /// The contacts of each of these pairs in 512 bits, of a state of f64, and the number of comparisons that these leave unsettled in finding them.
+    /// `None` where there is too much to note.
+    pub(super) fn contacts_in_wide(&self, pairs: &[[u32; 2]], set: &ToleranceSet) -> Option<(Vec<Vec<Contact>>, u64)> {
+        let (contacts, unsettled) = noted(|| count_unsettled(|| self.contacts_of::<LazyWide>(pairs, set)))?;
         Some((contacts?, unsettled))
     }
 
-    /// The contacts of these pairs, where the blocks are, in another scalar.
-    fn contacts_of<R: Real>(&self, pairs: &[[u32; 2]], set: &ToleranceSet) -> Option<BlockContacts> {
+    /// The contacts of each of these pairs, where the blocks are, in another scalar.
+    fn contacts_of<R: Real>(&self, pairs: &[[u32; 2]], set: &ToleranceSet) -> Option<Vec<Vec<Contact>>> {
         let tolerances = Tolerances::<R>::new(set).ok()?;
-        let prepare = |(block, state): (_, &crate::dynamics::BlockState<Wide>)| {
-            let scalar = |v: &Vector<Wide>| {
-                let [x, y, z] = v.components().map(|value| R::from_f64(value.nearest_f64()));
-                Vector::new(x, y, z)
-            };
-            let points: Vec<Vector<R>> = state.vertices.iter().map(scalar).collect();
-            PreparedBlock::unprepared(Clone::clone(block)).with_points(&points).ok()
-        };
-        let prepared: Vec<PreparedBlock<R>> =
-            self.setup.blocks.iter().zip(&self.state.blocks).map(prepare).collect::<Option<_>>()?;
-        let mut contacts = Vec::with_capacity(self.state.contacts.len());
+        let mut prepared: Vec<Option<PreparedBlock<R>>> = vec![None; self.prepared.len()];
+        for block in pairs.iter().flatten().map(|&block| block as usize) {
+            if prepared[block].is_none() {
+                let scalar = |v: &Vector<S>| {
+                    let [x, y, z] = v.components().map(|value| R::from_f64(value.to_f64()));
+                    Vector::new(x, y, z)
+                };
+                let points: Vec<Vector<R>> = self.state.blocks[block].vertices.iter().map(scalar).collect();
+                let unprepared = PreparedBlock::unprepared(self.setup.blocks[block].clone());
+                prepared[block] = Some(unprepared.with_points(&points).ok()?);
+            }
+        }
+        let mut contacts = Vec::with_capacity(pairs.len());
         for &pair in pairs {
-            let [a, b] = pair.map(|block| &prepared[block as usize]);
-            let old = &self.state.contacts[transfer::of_pair(&self.state.contacts, pair)];
-            let kept: Vec<ContactKey> = old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key).collect();
-            let found = classify_with_kept::<R, M>(a, b, &tolerances, &kept);
-            contacts.extend(found.into_iter().map(|found| (pair, found.contact)));
+            let [Some(a), Some(b)] = pair.map(|block| prepared[block as usize].as_ref()) else { continue };
+            let found = classify_with_kept::<R, M>(a, b, &tolerances, &self.kept_contacts(pair));
+            contacts.push(found.into_iter().map(|found| found.contact).collect());
         }
         Some(contacts)
     }

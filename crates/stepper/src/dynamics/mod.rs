@@ -17,6 +17,7 @@ mod contact;
 mod control;
 mod decided;
 pub mod displacement;
+mod double_steps;
 mod filtered_contacts;
 mod friction;
 mod groups;
@@ -44,6 +45,7 @@ mod unchanged;
 mod update;
 
 pub use decided::DecidedStep;
+pub use double_steps::{DoubleDecisions, DoubleSteps};
 pub use filtered_contacts::BlockContacts;
 pub use neighbour_list::skin;
 pub use prescribed::{PrescribedAttempt, PrescribedStep};

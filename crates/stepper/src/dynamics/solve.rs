@@ -1,5 +1,6 @@
 //! Solving `K d = F`: dense Cholesky for small systems, by panels for large ones.
 
+use crate::double::Double;
 use crate::dynamics::compiled::CompiledSteps;
 use crate::real::Real;
 use crate::wide::Wide;
@@ -71,32 +72,39 @@ macro_rules! solve_by_panels {
 solve_by_panels!(f32, false);
 solve_by_panels!(f64, true);
 
-/// Its values stay those of the matrix.
-impl Solve for Wide {
-    const USES_CONJUGATE_GRADIENTS: bool = false;
+/// Of a scalar with bounds on its errors: the values stay those of the matrix.
+macro_rules! solve_without_zeros {
+    ($type:ty) => {
+        impl Solve for $type {
+            const USES_CONJUGATE_GRADIENTS: bool = false;
 
-    fn factorize(
-        pattern: &Pattern,
-        values: &mut [Self],
-        marked: &[bool],
-        fill: &Fill<'_, Self>,
-    ) -> Result<(), Singular> {
-        for panel in (0..marked.len()).filter(|&panel| marked[panel]) {
-            let own = &mut values[pattern.range(panel)];
-            own.fill(Wide::ZERO);
-            fill(panel, own);
+            fn factorize(
+                pattern: &Pattern,
+                values: &mut [Self],
+                marked: &[bool],
+                fill: &Fill<'_, Self>,
+            ) -> Result<(), Singular> {
+                for panel in (0..marked.len()).filter(|&panel| marked[panel]) {
+                    let own = &mut values[pattern.range(panel)];
+                    own.fill(Self::ZERO);
+                    fill(panel, own);
+                }
+                Ok(())
+            }
+
+            fn solve_small(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
+                dense_without(Self::is_exact_zero, pattern, values, rhs)
+            }
+
+            fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
+                dense_without(Self::is_exact_zero, pattern, values, rhs)
+            }
         }
-        Ok(())
-    }
-
-    fn solve_small(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
-        dense_without_zeros(pattern, values, rhs)
-    }
-
-    fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
-        dense_without_zeros(pattern, values, rhs)
-    }
+    };
 }
+
+solve_without_zeros!(Double);
+solve_without_zeros!(Wide);
 
 /// Solves in place, by Cholesky's method without square roots (LDLᵀ), row by row. The values are those of the matrix.
 ///
@@ -106,13 +114,8 @@ pub fn dense<R: Real>(pattern: &Pattern, values: &[R], rhs: &mut [R]) -> Result<
     dense_without(|_| false, pattern, values, rhs)
 }
 
-/// The same, and with the same digits and radii: a product with an exact zero adds neither to a middle nor to a radius, so it is not formed.
-/// Blocks that do not touch leave many.
-fn dense_without_zeros(pattern: &Pattern, values: &[Wide], rhs: &mut [Wide]) -> Result<(), Singular> {
-    dense_without(Wide::is_exact_zero, pattern, values, rhs)
-}
-
-/// [`dense`], in which no product is formed with numbers that are left out.
+/// [`dense`], in which no product is formed with numbers that are left out. Where these are exact zeros, digits and radii are the same: such a product
+/// adds neither to a middle nor to a radius. Blocks that do not touch leave many.
 fn dense_without<R: Real>(
     is_left_out: impl Fn(R) -> bool,
     pattern: &Pattern,

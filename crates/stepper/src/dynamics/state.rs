@@ -27,6 +27,42 @@ pub struct State<R> {
     pub contacts: Vec<ContactState<R>>,
 }
 
+impl<R: Real> State<R> {
+    /// The state in another scalar: the numbers nearest to its own, which lose nothing where the scalar is a finer one.
+    #[must_use]
+    pub fn in_scalar<S: Real>(&self) -> State<S> {
+        let scalar = |value: R| S::from_f64(value.to_f64());
+        let vector = |v: Vector<R>| Vector::new(scalar(v.x), scalar(v.y), scalar(v.z));
+        let vectors = |all: &[Vector<R>]| all.iter().map(|v| vector(*v)).collect();
+        let block = |block: &BlockState<R>| BlockState {
+            vertices: vectors(&block.vertices),
+            velocity: block.velocity.map(scalar),
+            stress: block.stress.map(scalar),
+        };
+        let contact = |c: &ContactState<R>| ContactState {
+            blocks: c.blocks,
+            contact: c.contact,
+            mode: c.mode,
+            anchors: c.anchors.map(vector),
+            gap: scalar(c.gap),
+            normal: vector(c.normal),
+            points: c.points.map(vector),
+            force: vector(c.force),
+        };
+        State {
+            step: self.step,
+            time: scalar(self.time),
+            settling: self.settling,
+            last_time_step: scalar(self.last_time_step),
+            blocks: self.blocks.iter().map(block).collect(),
+            load_points: vectors(&self.load_points),
+            fixed_points: vectors(&self.fixed_points),
+            measured_points: vectors(&self.measured_points),
+            contacts: self.contacts.iter().map(contact).collect(),
+        }
+    }
+}
+
 /// The state of one block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockState<R> {

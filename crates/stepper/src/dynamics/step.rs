@@ -31,7 +31,7 @@ use crate::real::Real;
 use crate::vector::Vector;
 use rayon::prelude::*;
 use rockproof_model::simulation::Skips;
-use rockproof_model::{Block, Contact, ContactKey, Scene, ToleranceSet};
+use rockproof_model::{Block, Contact, Scene, ToleranceSet};
 use std::any::TypeId;
 use std::marker::PhantomData;
 use std::time::{Duration, Instant};
@@ -314,7 +314,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
                 let contacts: Vec<Contact> = old.iter().map(|old| old.contact).collect();
                 return self.of_pair(pair, &contacts);
             }
-            let kept: Vec<ContactKey> = old.iter().filter(|c| M::leaves_kept(c.mode)).map(|c| c.contact.key).collect();
+            let kept = self.kept_contacts(pair);
             let all = ClassificationRequest { a, b, tolerances: &self.setup.tolerances, kept: &kept, among: None };
             let among = if watches { watched.nearby(pair, &self.travel, all, margin) } else { None };
             let found = M::contacts(ClassificationRequest { among, ..all });

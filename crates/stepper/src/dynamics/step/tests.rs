@@ -65,7 +65,7 @@ fn stack(cubes: u32) -> Dynamics<f64> {
 fn a_factor_in_f32_is_refined_to_the_solution_in_f64() {
     let mut dynamics = stack(12);
     let mut contacts = dynamics.contacts();
-    contacts.iter_mut().for_each(StepContact::reset::<SpecRules>);
+    contacts.iter_mut().for_each(|contact| contact.reset::<SpecRules>(contact.begins));
     // One slides, so that its spring across the slip takes part.
     let slip = Vector::new(1e-6, 2e-6, 0.0);
     contacts[5].iterate.mode = Mode::Sliding;
@@ -114,7 +114,7 @@ fn the_islands_of_bricks_are_as_many_and_as_large_as_meant() {
         let (scene, set) = bricks(size, twice, motion);
         let mut dynamics = Dynamics::<f64>::new(&scene, &set).expect("a scene");
         let mut contacts = dynamics.contacts();
-        contacts.iter_mut().for_each(StepContact::reset::<SpecRules>);
+        contacts.iter_mut().for_each(|contact| contact.reset::<SpecRules>(contact.begins));
         let unknowns: Vec<usize> = dynamics.setup.bodies.iter().map(|body| body.motion.unknowns()).collect();
         let pairs: Vec<[u32; 2]> = contacts.iter().map(|contact| contact.blocks).collect();
         let modes: Vec<Mode> = contacts.iter().map(|contact| contact.iterate.mode).collect();

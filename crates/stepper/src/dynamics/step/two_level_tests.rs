@@ -28,7 +28,7 @@ pub(super) fn with_system_of(
     scene.simulation.control.solver = solver;
     let mut dynamics = Dynamics::<f64>::new(&scene, &set).expect("a scene");
     let mut contacts = dynamics.contacts();
-    contacts.iter_mut().for_each(StepContact::reset::<SpecRules>);
+    contacts.iter_mut().for_each(|contact| contact.reset::<SpecRules>(contact.begins));
     for contact in contacts.iter_mut().step_by(5) {
         let normal = contact.plane.normal;
         let slip = Vector::new(normal.y + 2.0 * normal.z, normal.z - normal.x, normal.x + normal.y) * 1e-6;
