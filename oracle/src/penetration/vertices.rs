@@ -45,9 +45,9 @@ use rockproof_model::topology::loop_pairs;
 use rockproof_model::{Block, Sign, Vec3, VertexId};
 use std::cell::OnceCell;
 
-/// A depth of the largest coordinate over this or less may be all that rounding left of a deep overlap: of coordinates in f32, or written with
-/// four digits, and surfaces that coincide.
-const SHALLOW: u64 = 1 << 10;
+/// A depth of the largest coordinate over this or less may be all that vertices show of a deep overlap, where surfaces nearly coincide: by rounding, by
+/// the unevenness of faces, or since one block was moved a little against another like it. It is far more than `penetration` and unevenness are.
+const SHALLOW: u64 = 1 << 4;
 
 /// Rounding to f64 bends faces by less than the largest coordinate over this.
 const BENT: u64 = 1 << 44;
@@ -146,14 +146,13 @@ fn deepest_common(
     points: impl Iterator<Item = Fraction>,
 ) -> Option<DeepPoint> {
     for point in points {
+        let deeper =
+            |nearest: &NearestPoint| best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt());
         // Deep in B as a point of A, and the other way round.
-        let depths = [1, 0].map(|side| surfaces[side].depth(point.clone(), |_| true));
-        let [Some(as_a), Some(as_b)] = depths else { continue };
+        let Some(as_a) = surfaces[1].depth(point.clone(), deeper) else { continue };
+        let Some(as_b) = surfaces[0].depth(point, deeper) else { continue };
         let is_of_a = as_a.cmp_square(&as_b).is_le();
-        let nearest = if is_of_a { as_a } else { as_b };
-        if best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt()) {
-            best = Some(DeepPoint { nearest, is_of_a });
-        }
+        best = Some(DeepPoint { nearest: if is_of_a { as_a } else { as_b }, is_of_a });
     }
     best
 }
