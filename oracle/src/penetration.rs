@@ -1,4 +1,4 @@
-//! How deep two blocks overlap (SPEC section 6), exactly: convex pairs by the least translation that parts them
+//! How deep two blocks overlap (SPEC section 7), exactly: convex pairs by the least translation that parts them
 //! (`convex`), others by their deepest point (`vertices`); and the largest depth of a scene.
 
 mod convex;
@@ -22,8 +22,8 @@ pub struct Penetration {
     /// Of two convex blocks the largest gap over all directions: negative where they overlap, its square that of the least
     /// translation; zero where they touch; positive apart. Of others negative where they overlap, its square that of the
     /// distance from the other's surface of the deepest vertex, or, if none is inside, of the deepest middle of an edge
-    /// between its crossings with faces; where these are none or shallow, of the deepest of them and of middles of what convex cells of the blocks share;
-    /// else zero.
+    /// between its crossings with faces, or else of such a diagonal of a face; where this is none or shallow, of the deepest of it and of middles of
+    /// convex cells in both blocks; else zero.
     pub gap: Gap,
     /// The direction in which A moves to get free, not of unit length. Of several equally good ones, the first: A's faces,
     /// B's faces, then edges of A with edges of B; of points A's, then B's, each with the first face, edge or vertex that

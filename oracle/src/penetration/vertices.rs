@@ -2,8 +2,8 @@
 //!
 //! The inside of a block is that of its faces' triangles from the first vertex of each loop, as its volume is. A
 //! point's depth is its distance from the other's surface, the least over the faces (where its foot on the plane is
-//! inside the polygon), the edges (where its foot is inside) and the vertices. The points looked at are, until some are
-//! inside:
+//! inside the polygon), the edges (where its foot is inside) and the vertices. The points looked at are the first sort of these of which some are
+//! inside; the third only where the interiors meet:
 //!
 //! 1. the vertices of either block;
 //! 2. the middles of edges between crossings: where an edge passes through faces of the other block it is cut, and the
@@ -12,13 +12,12 @@
 //! 3. the same of the diagonals by which faces of four vertices and more are cut into triangles: faces bent by rounding are passed through
 //!    by nothing else where both blocks have all their vertices.
 //!
-//! Blocks overlap without these where their surfaces coincide, as those of two equal blocks do; and where surfaces coincide but for rounding, these
-//! are no deeper than rounding makes them, however deep the blocks overlap. So where they are [`SHALLOW`] or none, the deepest is looked for
-//! among them and
+//! Blocks overlap without these where their surfaces coincide, as those of two equal blocks do; and where surfaces nearly coincide, these are next to
+//! the surface, however deep the blocks overlap. So where they are [`SHALLOW`] or none, the deepest is looked for among them and
 //!
-//! 4. the middles of convex cells in both blocks (`common_cells`), or, where there are none, no point was found and all faces are planar,
-//! 5. the middles of the common parts of the blocks' convex cells, cut exactly ([`crate::convex_cells`]). Where faces are bent, what is left is narrower than
-//!    rounding makes it, and no depth is told.
+//! 4. the middles of convex cells in both blocks (`common_cells`). Where neither these nor the points before are inside, and all faces are planar,
+//! 5. the middles of the common parts of the blocks' convex cells, cut exactly ([`crate::convex_cells`]). Where faces are bent, the depth is then 0: the blocks
+//!    overlap in slivers between bent faces, or in a part too narrow for the cells of 4 (`common_cells::NARROW`).
 //!
 //! Of 4 and 5 the depth is the lesser of the distances from both surfaces, as the point is a corner of neither. Of all but the vertices the depth is
 //! that of points inside, at most that of the deepest ones.
@@ -49,7 +48,7 @@ use std::cell::OnceCell;
 /// the unevenness of faces, or since one block was moved a little against another like it. It is far more than `penetration` and unevenness are.
 const SHALLOW: u64 = 1 << 4;
 
-/// Rounding to f64 bends faces by less than the largest coordinate over this.
+/// Rounding to f64 bends faces of a block by less than its largest coordinate over this.
 const BENT: u64 = 1 << 44;
 
 /// The deepest point of either block; `None` where a block has no face with an area.

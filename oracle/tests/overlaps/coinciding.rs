@@ -81,7 +81,7 @@ fn blocks_that_overlap_along_coinciding_faces_are_found_nearly_as_deep_as_they_a
         for noise in [0.0, 1e-15, 1e-10, 1e-6] {
             let (one, two) = (rounded(&step(), [0.0; 3], 0.0, &mut random), rounded(&step(), way, noise, &mut random));
             let found = depth_m(&one, &two);
-            // No deeper than the deepest point in both, at least a third of it: where the middles of cells are need not be the best place.
+            // Middles of cells need not be the best place, and the grid's depths are from below: a third to twice of them.
             assert!(found >= deepest / 3.0 && found <= 2.0 * deepest + 1e-5, "{way:?}, {noise}: {found} of {deepest}");
         }
     }

@@ -2,7 +2,7 @@
 //! those in both are proposed.
 //!
 //! The box that the blocks' boxes share is cut by the plane of one triangle of a surface, each half by that of another one that passes through it, and so
-//! on, as [`crate::convex_cells`] cuts one block exactly. A triangle that reaches into a cell by less than [`NARROW`] of the box does not cut it: surfaces that
+//! on, as [`crate::convex_cells`] cuts one block exactly. A triangle that reaches into a cell by less than [`NARROW`] of the largest coordinate does not cut it: surfaces that
 //! differ by rounding make no cells of their own. **Nothing is decided here**: whether a proposed point is inside, and how deep, is asked exactly.
 
 use crate::f64_vector::{cross, dot};
@@ -13,7 +13,7 @@ use std::cmp::Ordering;
 type Point = [f64; 3];
 type Polygon = Vec<Point>;
 
-/// Blocks share nothing that is worth a look where it is narrower than this, over their largest coordinate.
+/// Over the largest coordinate: what reaches into a cell by less does not cut it, and what blocks share is not cut where it is no more than twice as wide.
 const NARROW: f64 = 1.0 / (1u64 << 42) as f64;
 
 /// A plane `n·x = offset` with n of length 1.
