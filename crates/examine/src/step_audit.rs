@@ -10,7 +10,7 @@ use rockproof_oracle::penetration::Penetration;
 use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_simulate::run::StepAnnotations;
 use rockproof_simulate::{AuditScope, PairDepth, StepAudit, StepPassages, Stepping};
-use rockproof_stepper::dynamics::{State, StepError, StepReport};
+use rockproof_stepper::dynamics::{ClosedContacts, State, StepError, StepReport};
 use rockproof_stepper::{Real, Vector};
 
 /// Pairs that f64 looks at in one thread: to wake others costs more.
@@ -150,25 +150,6 @@ impl<R: Real> Stepping<R> for AuditedRun<R> {
 
     fn audit(&mut self) -> Option<StepAudit> {
         self.last.take()
-    }
-}
-
-/// The contacts that a step left closed, sorted by their pairs.
-struct ClosedContacts(Vec<([usize; 2], Contact)>);
-
-impl ClosedContacts {
-    fn of<R: Real>(state: &State<R>) -> ClosedContacts {
-        let closed = state.contacts.iter().filter(|contact| contact.mode.is_closed());
-        let mut closed: Vec<_> = closed.map(|c| (c.blocks.map(|block| block as usize), c.contact)).collect();
-        closed.sort_by_key(|(blocks, _)| *blocks);
-        ClosedContacts(closed)
-    }
-
-    /// Those of a pair.
-    fn between(&self, pair: [usize; 2]) -> &[([usize; 2], Contact)] {
-        let start = self.0.partition_point(|(blocks, _)| *blocks < pair);
-        let count = self.0[start..].partition_point(|(blocks, _)| *blocks == pair);
-        &self.0[start..start + count]
     }
 }
 

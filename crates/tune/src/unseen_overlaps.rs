@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use rockproof_model::{Block, ContactKey, Precision, ToleranceSet};
 use rockproof_oracle::audit::{Auditor, rounding_depth};
 use rockproof_oracle::{Pair, PreparedBlock};
-use rockproof_stepper::dynamics::{Solve, State};
+use rockproof_stepper::dynamics::{ClosedContacts, Solve, State};
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
 
@@ -41,8 +41,9 @@ pub(super) fn unseen_depths<R: Solve>(
     let harmless = (&rounding).min(&set.penetration).approximate().next_down();
     let prepared: Vec<OnceLock<PreparedBlock>> = blocks.iter().map(|_| OnceLock::new()).collect();
     let deep = set.penetration.approximate().next_up();
+    let closed = ClosedContacts::of(state);
     let unseen = |&(pair, depth): &([usize; 2], f64)| {
-        let kept = kept(state, pair);
+        let kept: Vec<ContactKey> = closed.between(pair).iter().map(|(_, contact)| contact.key).collect();
         let [a, b] = pair.map(|k| prepared[k].get_or_init(|| PreparedBlock::new(&blocks[k])));
         // Nearly always a contact tells, and that is known before anything is asked about the blocks.
         if Pair::new(a, b).classify_with_kept(set, &kept).contacts.iter().any(|contact| contact.gap.is_negative()) {
@@ -57,11 +58,4 @@ pub(super) fn unseen_depths<R: Solve>(
         overlap.is_unseen(&rounding).then(|| overlap.penetration.depth_m().unwrap_or(f64::INFINITY))
     };
     overlaps.par_iter().filter(|(_, depth)| *depth > harmless).filter_map(unseen).collect()
-}
-
-/// The contacts of a pair that a step left closed.
-fn kept<R: Solve>(state: &State<R>, pair: [usize; 2]) -> Vec<ContactKey> {
-    let closed = state.contacts.iter().filter(|contact| contact.mode.is_closed());
-    let own = closed.filter(|contact| contact.blocks.map(|block| block as usize) == pair);
-    own.map(|contact| contact.contact.key).collect()
 }

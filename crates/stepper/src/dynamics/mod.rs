@@ -11,6 +11,7 @@ mod assembly;
 mod attempt;
 mod block_inverse;
 mod block_system;
+mod closed_contacts;
 mod compiled;
 mod conjugate_gradients;
 mod contact;
@@ -44,6 +45,7 @@ mod two_level;
 mod unchanged;
 mod update;
 
+pub use closed_contacts::ClosedContacts;
 pub use decided::DecidedStep;
 pub use double_steps::{DoubleDecisions, DoubleSteps};
 pub use filtered_contacts::BlockContacts;
