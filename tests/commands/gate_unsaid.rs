@@ -141,6 +141,9 @@ fn a_limit_on_gaps_or_normals_that_an_engine_never_gives_is_skipped() {
         assert!(ran.code == 1 && row.contains("FAIL") && row.contains("whatever it answers would pass"), "{row}");
         assert!(row.contains("gaps and normals given for 0 of "), "{row}");
     }
+    // Only external engines give gaps, so a limit that names none is about them.
+    let ran = gate(dir.path(), &around_few(&apart, &limit("gap").replace("engine = \"mine\"\n", "")), &[], false);
+    assert!(ran.code == 1 && ran.out.contains("mine gave no gap for any of "), "{}{}", ran.out, ran.err);
     let state = limit("state").replace("count = 0", "count = 9999");
     let ran = gate(dir.path(), &around_few(&apart, &(limit("gap") + &state)), &[], false);
     assert!(ran.code == 0 && ran.out.contains("gate passed: 2 passed, 1 skipped"), "{}{}", ran.out, ran.err);

@@ -137,7 +137,8 @@ pub(crate) fn unbreakable(limit: &FindingLimit, config: &GateConfig) -> Option<S
 pub(crate) fn unsaid(limit: &FindingLimit, config: &GateConfig, tally: &CampaignTally) -> Option<String> {
     let change = limit.change.as_deref().and_then(AnswerChange::from_name)?;
     let externals = config.campaign.external.iter().map(|spec| spec.name.as_str());
-    let of_externals = limit.cause.as_deref() == Some(Cause::Engine.name());
+    // How blocks lie external engines alone say.
+    let of_externals = limit.cause.as_deref() == Some(Cause::Engine.name()) || change.is_of_states();
     let concerned: Vec<&str> = match limit.engine.as_deref() {
         Some(engine) => externals.filter(|name| *name == engine).collect(),
         None if of_externals => externals.collect(),
