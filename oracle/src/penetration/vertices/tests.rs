@@ -1,4 +1,4 @@
-//! Tests of where an edge passes through a triangle.
+//! Tests of where an edge passes through a triangle, and of points that are corners of neither block.
 
 use super::*;
 
@@ -82,4 +82,25 @@ fn an_edge_along_the_plane_of_a_triangle_does_not_pass_through_it() {
     meets(SLANTED, [6, 0, 0], [-6, 6, 0], None);
     // Nor does any through a triangle without an area.
     meets([[0, 0, 0], [2, 2, 0], [4, 4, 0]], [2, 2, 1], [0, 0, -2], None);
+}
+
+#[test]
+fn a_point_that_is_no_corner_is_as_deep_as_the_nearer_surface() {
+    use rockproof_model::Number;
+    let cube = |half: i32| {
+        let end = |sign: i32| Vec3::new(half, half, half).map(|&c| Number::from_integer(sign * c));
+        Block::cuboid(&end(-1), &end(1)).unwrap()
+    };
+    // (1, 0, 0) is 1 from the surface of the smaller and 5 from that of the larger cube.
+    for [half, other] in [[2, 6], [6, 2]] {
+        let (a, b) = (cube(half), cube(other));
+        let pair = LatticePair::new(&a, &b);
+        let view = View::of([&pair.points[0], &pair.points[1]]);
+        let surfaces = [0, 1].map(|side| LatticeSurface::new(&pair, &view, side).unwrap());
+        let point = Fraction::of(&pair.in_units([1.0, 0.0, 0.0]).unwrap());
+        let found = deepest_common(&surfaces, None, std::iter::once(point)).unwrap();
+        let square = pair.square_metres(found.nearest.numerator, found.nearest.denominator);
+        assert_eq!(square, BigRational::one(), "{half} in {other}");
+        assert_eq!(found.is_of_a, half == 6, "the point moves out of the smaller cube");
+    }
 }
