@@ -5,6 +5,7 @@ mod support;
 
 mod audit;
 mod audit_bounded;
+mod benchmark_set;
 mod coinciding;
 mod passage;
 mod penetration;
