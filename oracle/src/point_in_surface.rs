@@ -2,7 +2,7 @@
 
 use num_traits::Zero;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, Vec3, VertexId};
+use rockproof_model::{Block, Ring, Vec3, VertexId};
 
 /// The triangles of a block's faces, each face from the first vertex of its loop, by the numbers of their vertices.
 pub(crate) fn triangle_corners(block: &Block) -> impl Iterator<Item = [VertexId; 3]> {
@@ -23,16 +23,17 @@ pub(crate) fn triangles<'a, T>(block: &'a Block, points: &'a [Vec3<T>]) -> impl 
 /// the ray's line meets no edge of a triangle and lies in no triangle's plane; each edge and each plane excludes two k at
 /// most.
 pub(crate) fn surface_holds_origin<T: ExactRing + Zero>(triangles: &[[Vec3<T>; 3]]) -> bool {
-    (1i32..)
-        .find_map(|k| {
-            let k = T::from_i32(k);
-            odd_crossings(triangles, &Vec3::new(T::from_i32(1), k.clone(), k.squared()))
-        })
-        .unwrap_or(false)
+    (1i32..).find_map(|k| odd_crossings(triangles, &ray(k))).unwrap_or(false)
+}
+
+/// The direction (1, k, k²).
+pub(crate) fn ray<T: Ring>(k: i32) -> Vec3<T> {
+    let k = T::from_i32(k);
+    Vec3::new(T::from_i32(1), k.clone(), k.squared())
 }
 
 /// Whether the origin is in a triangle that has an area, its boundary included.
-pub(crate) fn triangle_holds_origin<T: ExactRing + Zero>([a, b, c]: &[Vec3<T>; 3]) -> bool {
+pub(crate) fn triangle_holds_origin<T: ExactRing + Zero>([a, b, c]: [&Vec3<T>; 3]) -> bool {
     let n = b.minus(a).cross(&c.minus(a));
     let is_plane = n.components().into_iter().any(|c| !c.is_zero());
     is_plane
@@ -42,27 +43,27 @@ pub(crate) fn triangle_holds_origin<T: ExactRing + Zero>([a, b, c]: &[Vec3<T>; 3
 
 /// Whether a ray from the origin crosses triangles an odd number of times; `None` where it meets an edge or lies in a plane.
 fn odd_crossings<T: ExactRing + Zero>(triangles: &[[Vec3<T>; 3]], ray: &Vec3<T>) -> Option<bool> {
-    let mut odd = false;
-    for [a, b, c] in triangles {
-        let n = b.minus(a).cross(&c.minus(a));
-        if n.components().into_iter().all(Zero::is_zero) {
-            continue;
-        }
-        let towards = n.dot(ray).sign();
-        if towards.is_zero() {
-            return None;
-        }
-        // The plane is met at a·n / ray·n.
-        if n.dot(a).sign() != towards {
-            continue;
-        }
-        let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| p.cross(q).dot(ray).sign());
-        if sides.iter().any(|side| side.is_zero()) {
-            return None;
-        }
-        if sides.iter().all(|&side| side == towards) {
-            odd = !odd;
-        }
+    triangles.iter().try_fold(false, |odd, triangle| Some(odd ^ ray_crosses(triangle.each_ref(), ray)?))
+}
+
+/// Whether a ray from the origin, which is not on the triangle, crosses it. `None` where its line meets an edge of the triangle in front of the origin or does not cross the triangle's
+/// plane.
+pub(crate) fn ray_crosses<T: ExactRing + Zero>([a, b, c]: [&Vec3<T>; 3], ray: &Vec3<T>) -> Option<bool> {
+    let n = b.minus(a).cross(&c.minus(a));
+    if n.components().into_iter().all(Zero::is_zero) {
+        return Some(false);
     }
-    Some(odd)
+    let towards = n.dot(ray).sign();
+    if towards.is_zero() {
+        return None;
+    }
+    // The plane is met at a·n / ray·n.
+    if n.dot(a).sign() != towards {
+        return Some(false);
+    }
+    let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| p.cross(q).dot(ray).sign());
+    if sides.iter().any(|side| side.is_zero()) {
+        return None;
+    }
+    Some(sides.iter().all(|&side| side == towards))
 }

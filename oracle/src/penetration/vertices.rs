@@ -26,30 +26,25 @@
 
 mod common_cells;
 mod lattice_point;
+mod lattice_surface;
 mod near;
 
 use super::{LatticePair, Penetration};
 use crate::Gap;
 use crate::convex_cells::{ConvexCell, cells};
 use crate::interiors::surfaces_meet;
-use crate::point_in_surface::{surface_holds_origin, triangle_corners, triangle_holds_origin};
 use crate::separation::{SeparablePoints, separate};
 use lattice_point::{Fraction, NearestPoint};
-use near::{Feature, NearSurface, View};
+use lattice_surface::LatticeSurface;
+use near::View;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use rockproof_model::block::face_normal;
-use rockproof_model::topology::loop_pairs;
 use rockproof_model::{Block, Sign, Vec3, VertexId};
-use std::cell::OnceCell;
 
 /// A depth of the largest coordinate over this or less may be all that vertices show of a deep overlap, where surfaces nearly coincide: by rounding, by
 /// the unevenness of faces, or since one block was moved a little against another like it. It is far more than `penetration` and unevenness are.
 const SHALLOW: u64 = 1 << 4;
-
-/// Rounding to f64 bends faces of a block by less than its largest coordinate over this.
-const BENT: u64 = 1 << 44;
 
 /// The deepest point of either block; `None` where a block has no face with an area.
 pub(super) fn deepest_point(pair: &LatticePair<'_>) -> Option<Penetration> {
@@ -57,7 +52,7 @@ pub(super) fn deepest_point(pair: &LatticePair<'_>) -> Option<Penetration> {
     let surfaces = [LatticeSurface::new(pair, &view, 0)?, LatticeSurface::new(pair, &view, 1)?];
     let best = deepest_vertex(&surfaces).or_else(|| {
         deepest_of(&surfaces, |side| {
-            surfaces[side].middles_between_crossings(&surfaces[1 - side], edges(pair.blocks[side]))
+            middles_between_crossings(&surfaces[side], &surfaces[1 - side], edges(pair.blocks[side]))
         })
     });
     let best = match best {
@@ -65,7 +60,7 @@ pub(super) fn deepest_point(pair: &LatticePair<'_>) -> Option<Penetration> {
         None if !interiors_meet(pair) => None,
         best => {
             let diagonals = |side: usize| {
-                surfaces[side].middles_between_crossings(&surfaces[1 - side], diagonals(pair.blocks[side]))
+                middles_between_crossings(&surfaces[side], &surfaces[1 - side], diagonals(pair.blocks[side]))
             };
             let best = best.or_else(|| deepest_of(&surfaces, diagonals));
             let middles = common_cells::middles(pair.blocks);
@@ -102,9 +97,7 @@ fn deepest_of(surfaces: &[LatticeSurface<'_>; 2], points: impl Fn(usize) -> Vec<
     for side in 0..2 {
         let other = &surfaces[1 - side];
         for point in points(side) {
-            let deeper_than_best =
-                |nearest: &NearestPoint| best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt());
-            if let Some(nearest) = other.depth(point, deeper_than_best) {
+            if let Some(nearest) = other.depth(point, best.as_ref().map(|best| &best.nearest)) {
                 best = Some(DeepPoint { nearest, is_of_a: side == 0 });
             }
         }
@@ -145,203 +138,42 @@ fn deepest_common(
     points: impl Iterator<Item = Fraction>,
 ) -> Option<DeepPoint> {
     for point in points {
-        let deeper =
-            |nearest: &NearestPoint| best.as_ref().is_none_or(|best| nearest.cmp_square(&best.nearest).is_gt());
+        let deepest = best.as_ref().map(|best| &best.nearest);
         // Deep in B as a point of A, and the other way round.
-        let Some(as_a) = surfaces[1].depth(point.clone(), deeper) else { continue };
-        let Some(as_b) = surfaces[0].depth(point, deeper) else { continue };
+        let Some(as_a) = surfaces[1].depth(point.clone(), deepest) else { continue };
+        let Some(as_b) = surfaces[0].depth(point, deepest) else { continue };
         let is_of_a = as_a.cmp_square(&as_b).is_le();
         best = Some(DeepPoint { nearest: if is_of_a { as_a } else { as_b }, is_of_a });
     }
     best
 }
 
-/// The surface of a block in lattice units.
-struct LatticeSurface<'p> {
-    block: &'p Block,
-    points: &'p [Vec3<BigInt>],
-    /// Normal of each face, as far as asked for.
-    normals: Vec<OnceCell<Vec3<BigInt>>>,
-    /// Least and greatest coordinates.
-    bounds: [Vec3<BigInt>; 2],
-    view: &'p View,
-    near: NearSurface<'p>,
-    /// Whether all faces are planar, if that was asked.
-    is_planar: OnceCell<bool>,
-}
-
-impl<'p> LatticeSurface<'p> {
-    /// `None` where no face has an area.
-    fn new(pair: &'p LatticePair<'_>, view: &'p View, side: usize) -> Option<LatticeSurface<'p>> {
-        let (block, points) = (pair.blocks[side], pair.points[side].as_slice());
-        let corner = |pick: fn(BigInt, BigInt) -> BigInt| {
-            let first = points[0].clone();
-            points.iter().cloned().fold(first, |a, b| Vec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z)))
-        };
-        let bounds = [corner(std::cmp::min), corner(std::cmp::max)];
-        let normals = vec![OnceCell::new(); block.topology().faces().len()];
-        let near = NearSurface::new(view, block, points);
-        let surface = LatticeSurface { block, points, normals, bounds, view, near, is_planar: OnceCell::new() };
-        let has_area = (0..surface.normals.len()).any(|face| !Zero::is_zero(&surface.normal(face).norm_squared()));
-        has_area.then_some(surface)
-    }
-
-    fn normal(&self, face: usize) -> &Vec3<BigInt> {
-        self.normals[face].get_or_init(|| face_normal(self.points, &self.block.topology().faces()[face]))
-    }
-
-    /// How deep a point is inside; `None` where it is not inside, or its depth not one that is asked for.
-    fn depth(&self, point: Fraction, is_asked_for: impl Fn(&NearestPoint) -> bool) -> Option<NearestPoint> {
-        let near = self.view.point(&point);
-        let is_inside = self.near.holds(&near);
-        if is_inside == Some(false) || !self.box_holds(&point) {
-            return None;
+/// The middles of the parts into which the other's triangles cut each of some edges or diagonals, where they cut it at all.
+fn middles_between_crossings(
+    of: &LatticeSurface<'_>,
+    other: &LatticeSurface<'_>,
+    edges: Vec<[VertexId; 2]>,
+) -> Vec<Fraction> {
+    let surface: Vec<_> = other.near.triangles().collect();
+    let mut middles = Vec::new();
+    for edge in edges {
+        let [p, q] = edge.map(|v| &of.points[v.index()]);
+        let d = q.minus(p);
+        let may_meet = |triangle: &usize| other.near.may_be_crossed(&of.near, edge, *triangle);
+        let meeting = (0..surface.len()).filter(may_meet);
+        let mut places: Vec<BigRational> = meeting
+            .filter_map(|triangle| crossing(p, &d, surface[triangle].map(|v| &other.points[v.index()])))
+            .collect();
+        if places.is_empty() {
+            continue;
         }
-        let point = point.reduced();
-        let nearest = self.nearest(&point, &self.near.nearest_features(&near))?;
-        let is_deep = is_asked_for(&nearest) && !Zero::is_zero(&nearest.numerator);
-        let is_inside = is_deep && is_inside.unwrap_or_else(|| self.holds(&point));
-        (is_inside && !self.is_in_sliver(&point, &nearest)).then_some(nearest)
+        places.extend([BigRational::zero(), BigRational::one()]);
+        places.sort();
+        places.dedup();
+        let middle = |two: &[BigRational]| (&two[0] + &two[1]) / BigInt::from(2);
+        middles.extend(places.windows(2).map(|two| Fraction::between(p, &d, &middle(two))));
     }
-
-    /// Whether a point inside lies between triangles of one face where the block is not: the triangles of a face that is not convex reach out of it,
-    /// and cancel there but for what rounding bends the face. Round a point that deep all is inside, so six points at half of its depth tell. Of depths
-    /// that a bent face can have by itself it is not asked.
-    fn is_in_sliver(&self, point: &Fraction, nearest: &NearestPoint) -> bool {
-        if self.is_planar.get_or_init(|| self.has_planar_faces()) == &true || nearest.is_within(&self.bounds, BENT) {
-            return false;
-        }
-        // No more than half of the depth, in units finer by the point's denominator and by 16.
-        let finer = BigInt::from(16);
-        let (numerators, denominator) = (point.numerators.scaled(&finer), &point.denominator * &finer);
-        let half: BigInt = (&nearest.numerator * denominator.pow(2) / &nearest.denominator).sqrt() / 2;
-        let beside = |k: usize, way: BigInt| {
-            let mut numerators = numerators.components().map(Clone::clone);
-            numerators[k] += way;
-            let [x, y, z] = numerators;
-            Fraction { numerators: Vec3::new(x, y, z), denominator: denominator.clone() }
-        };
-        let mut around = (0..3).flat_map(|k| [beside(k, half.clone()), beside(k, -&half)]);
-        around.any(|other| !self.near.holds(&self.view.point(&other)).unwrap_or_else(|| self.holds(&other)))
-    }
-
-    /// Whether the corners of each face are in one plane, exactly.
-    fn has_planar_faces(&self) -> bool {
-        let at = |v: &VertexId| &self.points[v.index()];
-        let is_planar = |(number, face): (usize, &Vec<VertexId>)| {
-            face.len() == 3 || face.iter().all(|v| Zero::is_zero(&self.normal(number).dot(&at(v).minus(at(&face[0])))))
-        };
-        self.block.topology().faces().iter().enumerate().all(is_planar)
-    }
-
-    /// The middles of the parts into which the other's triangles cut each of some edges or diagonals, where they cut it at all.
-    fn middles_between_crossings(&self, other: &LatticeSurface<'_>, edges: Vec<[VertexId; 2]>) -> Vec<Fraction> {
-        let surface: Vec<_> = triangle_corners(other.block).collect();
-        let mut middles = Vec::new();
-        for edge in edges {
-            let [p, q] = edge.map(|v| &self.points[v.index()]);
-            let d = q.minus(p);
-            let may_meet = |triangle: &usize| other.near.may_be_crossed(&self.near, edge, *triangle);
-            let meeting = (0..surface.len()).filter(may_meet);
-            let mut places: Vec<BigRational> = meeting
-                .filter_map(|triangle| crossing(p, &d, surface[triangle].map(|v| &other.points[v.index()])))
-                .collect();
-            if places.is_empty() {
-                continue;
-            }
-            places.extend([BigRational::zero(), BigRational::one()]);
-            places.sort();
-            places.dedup();
-            let middle = |two: &[BigRational]| (&two[0] + &two[1]) / BigInt::from(2);
-            middles.extend(places.windows(2).map(|two| Fraction::between(p, &d, &middle(two))));
-        }
-        middles
-    }
-
-    /// Whether a point is inside the block's box; **its surface does not count**.
-    fn box_holds(&self, point: &Fraction) -> bool {
-        let [to_low, to_high] = self.bounds.each_ref().map(|corner| point.way_to(corner));
-        let below = to_low.components().into_iter().all(BigInt::is_negative);
-        below && to_high.components().into_iter().all(BigInt::is_positive)
-    }
-
-    /// The nearest of some features, the first of several: faces, edges, vertices.
-    fn nearest(&self, point: &Fraction, features: &[Feature]) -> Option<NearestPoint> {
-        let of = |feature: &Feature| match *feature {
-            Feature::Face(face) => self.to_face(point, face),
-            Feature::Edge(edge) => self.to_edge(point, edge),
-            Feature::Vertex(vertex) => {
-                let way = point.way_to(&self.points[vertex]);
-                Some(NearestPoint { numerator: way.norm_squared(), denominator: BigInt::one(), way })
-            }
-        };
-        // `min_by` keeps the first of several.
-        let nearest = features.iter().filter_map(of).min_by(NearestPoint::cmp_square)?;
-        Some(nearest.on_coarser_lattice(&point.denominator))
-    }
-
-    /// The foot on a face's plane, where it is inside the polygon or on its boundary, in units finer by the point's
-    /// denominator.
-    fn to_face(&self, point: &Fraction, face: usize) -> Option<NearestPoint> {
-        let (n, corners) = (self.normal(face), &self.block.topology().faces()[face]);
-        let ways: Vec<_> = corners.iter().map(|v| point.way_to(&self.points[v.index()])).collect();
-        if Zero::is_zero(&n.norm_squared()) || !projects_inside(n, &ways) {
-            return None;
-        }
-        let n = n.scaled(&(&point.denominator * &point.denominator));
-        // The plane goes through the corners' mean: k times the distance times |N|.
-        let k = BigInt::from(corners.len());
-        let off = n.dot(&ways.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, way| sum.plus(way)));
-        let denominator = n.norm_squared() * &k * &k;
-        let way = if off.is_negative() { n.negated() } else { n };
-        Some(NearestPoint { numerator: &off * &off, denominator, way })
-    }
-
-    /// The foot on an edge, where it is strictly inside, in units finer by the point's denominator.
-    fn to_edge(&self, point: &Fraction, edge: usize) -> Option<NearestPoint> {
-        let edge = &self.block.topology().edges()[edge];
-        let [p, q] = [edge.p, edge.q].map(|v| point.way_to(&self.points[v.index()]));
-        let (d, from) = (q.minus(&p), p.negated());
-        let (along, length) = (d.dot(&from), d.norm_squared());
-        if !along.is_positive() || along >= length {
-            return None;
-        }
-        let way = d.scaled(&along).minus(&from.scaled(&length));
-        Some(NearestPoint { numerator: way.norm_squared(), denominator: &length * &length, way })
-    }
-
-    /// Whether a point is inside; **one on the surface is not**. An uneven face's triangles are not in the face's plane, so
-    /// a point on them can have a distance from it.
-    fn holds(&self, point: &Fraction) -> bool {
-        let ways: Vec<_> = self.points.iter().map(|v| point.way_to(v)).collect();
-        let around: Vec<_> =
-            triangle_corners(self.block).map(|corners| corners.map(|v| ways[v.index()].clone())).collect();
-        !around.iter().any(triangle_holds_origin) && surface_holds_origin(&around)
-    }
-}
-
-/// Whether the beginning of the ways to a polygon's corners, seen along n, is inside the polygon or on its boundary.
-fn projects_inside(n: &Vec3<BigInt>, ways: &[Vec3<BigInt>]) -> bool {
-    // The polygon in a frame of two vectors across n: u and n × u, neither of unit length.
-    let size = n.components().map(|c| c.abs());
-    let axis = (0..3).min_by_key(|&k| &size[k]).unwrap_or(0);
-    let unit = |k: usize| BigInt::from(i32::from(k == axis));
-    let u = n.cross(&Vec3::new(unit(0), unit(1), unit(2)));
-    let v = n.cross(&u);
-    let flat: Vec<[BigInt; 2]> = ways.iter().map(|way| [u.dot(way), v.dot(way)]).collect();
-    let mut inside = false;
-    for (p, q) in loop_pairs(&(0..flat.len()).collect::<Vec<_>>()) {
-        let (p, q) = (&flat[p], &flat[q]);
-        let turn = &p[0] * &q[1] - &p[1] * &q[0];
-        let within = |k: usize| !(&p[k] * &q[k]).is_positive();
-        if Zero::is_zero(&turn) && within(0) && within(1) {
-            return true;
-        }
-        if p[1].is_negative() != q[1].is_negative() && turn.is_positive() == p[1].is_negative() {
-            inside = !inside;
-        }
-    }
-    inside
+    middles
 }
 
 /// Where `p + t·d` meets a triangle whose plane it passes through, its boundary included, for t from 0 to 1.

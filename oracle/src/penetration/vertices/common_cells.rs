@@ -152,9 +152,11 @@ impl Plane {
         let axis = (0..3).min_by(|&j, &k| self.n[j].abs().total_cmp(&self.n[k].abs())).unwrap_or(0);
         let u = cross(self.n, std::array::from_fn(|k| f64::from(u8::from(k == axis))));
         let v = cross(self.n, u);
+        // Grows with the angle from u, and unlike an arc tangent is the same number on every machine.
         let angle = |p: &Point| {
             let way: Point = std::array::from_fn(|k| p[k] - middle[k]);
-            dot(v, way).atan2(dot(u, way))
+            let (along, across) = (dot(u, way), dot(v, way));
+            (1.0 - along / (along.abs() + across.abs())).copysign(across)
         };
         corners.sort_by(|p, q| angle(p).total_cmp(&angle(q)));
         Some(corners)

@@ -4,7 +4,7 @@
 use super::Fraction;
 use crate::interiors::ball;
 use crate::number::Ball;
-use crate::point_in_surface::triangle_corners;
+use crate::point_in_surface::{ray, triangle_corners};
 use num_bigint::BigInt;
 use rockproof_model::block::face_normal;
 use rockproof_model::topology::loop_pairs;
@@ -41,9 +41,17 @@ pub(super) struct NearSurface<'b> {
     triangles: Vec<([VertexId; 3], Vec3<Ball>)>,
 }
 
+/// The features that may be the nearest to a point: faces, edges, vertices, each by number.
+pub(super) struct NearestFeatures {
+    /// Every other has no foot of the point or is certainly farther away than one of these.
+    pub(super) features: Vec<Feature>,
+    /// At least the square of the point's distance from the surface, in the view's unit.
+    pub(super) most_squared: f64,
+}
+
 /// A squared distance is between these.
-struct Range {
-    least: f64,
+pub(super) struct Range {
+    pub(super) least: f64,
     most: f64,
 }
 
@@ -68,6 +76,12 @@ impl View {
         let from_origin = point.numerators.minus(&self.origin.scaled(&point.denominator));
         let numerators = from_origin.map(|c| ball(c, self.shift + bits));
         NearPoint { numerators, denominator: ball(&point.denominator, bits) }
+    }
+
+    /// The square of a distance `√(numerator / denominator)` in lattice units.
+    pub(super) fn square(&self, numerator: &BigInt, denominator: &BigInt) -> Range {
+        let bits = denominator.bits() as i64;
+        Range::of(ball(numerator, bits + 2 * self.shift), ball(denominator, bits))
     }
 }
 
@@ -99,7 +113,7 @@ impl<'b> NearSurface<'b> {
     }
 
     /// The ways from a point to all vertices, times the point's denominator.
-    fn ways(&self, point: &NearPoint) -> Vec<Vec3<Ball>> {
+    pub(super) fn ways(&self, point: &NearPoint) -> Vec<Vec3<Ball>> {
         self.points.iter().map(|v| v.scaled(&point.denominator).minus(&point.numerators)).collect()
     }
 
@@ -118,32 +132,44 @@ impl<'b> NearSurface<'b> {
     }
 
     /// Whether a ray along (1, k, k²) from where the ways begin crosses the surface an odd number of times. `None` where it
-    /// is not certain for each triangle that the ray's line misses it or passes through its inside away from the beginning.
+    /// is not certain for each triangle ([`NearSurface::ray_crosses`]).
     fn is_odd(&self, ways: &[Vec3<Ball>], k: i32) -> Option<bool> {
-        let along = Ball::from_i32(k);
-        let ray = Vec3::new(Ball::from_i32(1), along, along.squared());
-        let mut odd = false;
-        for (corners, n) in &self.triangles {
-            let [a, b, c] = corners.map(|v| &ways[v.index()]);
-            let (before, towards) = (n.dot(a).certain_sign(), n.dot(&ray).certain_sign());
-            // The plane is met at a·n / ray·n; behind the beginning is no crossing.
-            let is_behind =
-                matches!((before, towards), (Some(one), Some(two)) if one == two.reversed() && !one.is_zero());
-            if is_behind {
-                continue;
-            }
-            let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| p.cross(q).dot(&ray).certain_sign());
-            if sides.contains(&Some(Sign::Positive)) && sides.contains(&Some(Sign::Negative)) {
-                continue;
-            }
-            // All on one side: of the sign of ray·n, which is their sum.
-            let is_through = sides[0].is_some_and(|side| !side.is_zero()) && sides.iter().all(|side| *side == sides[0]);
-            match before {
-                Some(sign) if is_through && !sign.is_zero() => odd ^= before == sides[0],
-                _ => return None,
-            }
+        let ray = ray(k);
+        (0..self.triangles.len()).try_fold(false, |odd, triangle| Some(odd ^ self.ray_crosses(triangle, ways, &ray)?))
+    }
+
+    /// Whether a ray from where the ways begin crosses a triangle. `None` where it is not certain that the ray's line misses it or passes through its
+    /// inside away from the beginning.
+    pub(super) fn ray_crosses(&self, triangle: usize, ways: &[Vec3<Ball>], ray: &Vec3<Ball>) -> Option<bool> {
+        let (corners, n) = &self.triangles[triangle];
+        let [a, b, c] = corners.map(|v| &ways[v.index()]);
+        let (before, towards) = (n.dot(a).certain_sign(), n.dot(ray).certain_sign());
+        // The plane is met at a·n / ray·n; behind the beginning is no crossing.
+        let is_behind = matches!((before, towards), (Some(one), Some(two)) if one == two.reversed() && !one.is_zero());
+        if is_behind {
+            return Some(false);
         }
-        Some(odd)
+        let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| p.cross(q).dot(ray).certain_sign());
+        if sides.contains(&Some(Sign::Positive)) && sides.contains(&Some(Sign::Negative)) {
+            return Some(false);
+        }
+        // All on one side: of the sign of ray·n, which is their sum.
+        let is_through = sides[0].is_some_and(|side| !side.is_zero()) && sides.iter().all(|side| *side == sides[0]);
+        before.filter(|before| is_through && !before.is_zero()).map(|before| Some(before) == sides[0])
+    }
+
+    /// Whether the point where the ways begin may be on a triangle: `false` where it is certainly beside its plane or beyond one of its sides.
+    pub(super) fn may_hold_beginning(&self, triangle: usize, ways: &[Vec3<Ball>]) -> bool {
+        let (corners, n) = &self.triangles[triangle];
+        let [a, b, c] = corners.map(|v| &ways[v.index()]);
+        let is_beside = n.dot(a).certain_sign().is_some_and(|sign| !sign.is_zero());
+        let is_beyond = |(p, q): (&Vec3<Ball>, &Vec3<Ball>)| p.cross(q).dot(n).certain_sign() == Some(Sign::Negative);
+        !is_beside && ![(a, b), (b, c), (c, a)].into_iter().any(is_beyond)
+    }
+
+    /// The corners of each triangle.
+    pub(super) fn triangles(&self) -> impl ExactSizeIterator<Item = [VertexId; 3]> + '_ {
+        self.triangles.iter().map(|(corners, _)| *corners)
     }
 
     /// Which edges of another block may meet which triangles of this one: `false` for those that certainly do not.
@@ -163,9 +189,8 @@ impl<'b> NearSurface<'b> {
         !(sides.contains(&Some(Sign::Positive)) && sides.contains(&Some(Sign::Negative)))
     }
 
-    /// The features that may be the nearest to a point: faces, edges, vertices, each by number. Every other has no foot of
-    /// the point or is certainly farther away than one of these.
-    pub(super) fn nearest_features(&self, point: &NearPoint) -> Vec<Feature> {
+    /// The features that may be the nearest to a point, and a bound of its distance.
+    pub(super) fn nearest_features(&self, point: &NearPoint) -> NearestFeatures {
         let ways = self.ways(point);
         let topology = self.block.topology();
         let one = Ball::from_i32(1);
@@ -203,7 +228,9 @@ impl<'b> NearSurface<'b> {
         }
         found.extend(vertices.iter().enumerate().map(|(number, range)| (Feature::Vertex(number), range.least)));
         found.retain(|(_, least)| *least <= most);
-        found.into_iter().map(|(feature, _)| feature).collect()
+        let features = found.into_iter().map(|(feature, _)| feature).collect();
+        let most_squared = Range::of(Ball { middle: most, radius: 0.0 }, point.denominator.squared()).most;
+        NearestFeatures { features, most_squared }
     }
 }
 
