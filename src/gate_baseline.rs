@@ -3,6 +3,7 @@
 use anyhow::Context;
 use rockproof_gate::config::Baseline;
 use rockproof_gate::known_findings::KnownFindings;
+use rockproof_gate::toml_error::toml_error;
 use rockproof_model::files::read_text;
 
 /// What is known, from the baseline's file.
@@ -12,7 +13,8 @@ pub(crate) fn load(baseline: &Baseline) -> anyhow::Result<KnownFindings> {
         true => file.to_string(),
         false => format!("{file}: no baseline; --update-baseline writes it"),
     })?;
-    let known: KnownFindings = toml::from_str(&text).with_context(|| file.to_string())?;
+    let wrong = |error: toml::de::Error| anyhow::Error::msg(toml_error(&file.to_string(), &text, &error));
+    let known: KnownFindings = toml::from_str(&text).map_err(wrong)?;
     if known.fields != baseline.fields {
         let fields = (known.fields.join(", "), baseline.fields.join(", "));
         anyhow::bail!(
@@ -33,8 +35,9 @@ pub(crate) fn is_baseline(baseline: &Baseline) -> anyhow::Result<()> {
     match read_text(&baseline.file) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(error).with_context(|| file.to_string()),
-        Ok(text) => toml::from_str::<KnownFindings>(&text)
-            .map(drop)
-            .with_context(|| format!("{file} is no baseline, so --update-baseline leaves it alone")),
+        Ok(text) => toml::from_str::<KnownFindings>(&text).map(drop).map_err(|error| {
+            let why = toml_error(&file.to_string(), &text, &error);
+            anyhow::anyhow!("{why}: {file} is no baseline, so --update-baseline leaves it alone")
+        }),
     }
 }

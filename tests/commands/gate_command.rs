@@ -220,11 +220,32 @@ fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
         ("corpus = []\n[[limit]]\ntolerances = \"loose\"\ncount = 0\n", vec!["auto, shi, zero"]),
         ("corpus = []\n[[limit]]\nrate = 2\n", vec!["line 2", "0 to below 1"]),
         ("corpus = []\n[[limit]]\nrate = 1\n", vec!["line 2", "0 to below 1"]),
-        ("corpus = []\n[[limit]]\nrate = 0.1\nconfidence = 1.0\n", vec!["0.5"]),
-        ("corpus = []\n[[limit]]\ncause = \"defect\"\n", vec!["count or rate"]),
+        (
+            "corpus = []\n[[limit]]\nrate = 0.1\nconfidence = 1.0\n",
+            vec!["line 2: confidence is 1; allowed are 0.5 to below 1"],
+        ),
+        ("corpus = []\n[[limit]]\ncause = \"defect\"\n", vec!["line 2: the limit has neither count nor rate"]),
+        (
+            "corpus = []\n[[limit]]\ncount = 1\nrate = 0.1\n",
+            vec!["line 2: the limit has count and rate; allowed is one"],
+        ),
+        (
+            "corpus = []\n[[limit]]\ncount = nan\n",
+            vec!["gate.toml line 3: count is nan; allowed is a whole number from 0"],
+        ),
+        (
+            "corpus = []\n[[limit]]\ncauses = 1\n",
+            vec!["gate.toml line 3: \"causes\" is no key here; allowed are engine, "],
+        ),
         ("corpus = []\n[baseline]\nfile = \"none.toml\"\n", vec!["none.toml", "--update-baseline"]),
-        ("corpus = []\n[baseline]\nfile = \"x\"\ncauses = [\"luck\"]\n", vec!["baseline.causes", "tolerance"]),
-        ("corpus = []\n[baseline]\nfile = \"x\"\nfields = [\"colour\"]\n", vec!["baseline.fields", "predicate"]),
+        (
+            "corpus = []\n[baseline]\nfile = \"x\"\ncauses = [\"luck\"]\n",
+            vec!["line 4: baseline.causes has \"luck\"", "tolerance"],
+        ),
+        (
+            "corpus = []\n[baseline]\nfile = \"x\"\nfields = [\"colour\"]\n",
+            vec!["line 4: baseline.fields has \"colour\"", "predicate"],
+        ),
         ("", vec!["gate.toml: nothing stands in it; allowed are corpus, ", "[[limit]]"]),
         ("# nothing\n", vec!["nothing stands in it"]),
         ("corpus = [\"nowhere\"]\n", vec!["there is no nowhere", "corpus = []"]),

@@ -235,10 +235,10 @@ fn messages_cut_long_values() {
         (around(&format!("[[limit]]\ncount = 0\nfamily = \"{long}\"")), ["line 4: family \"xxx", "there are "]),
         (
             around(&format!("[baseline]\nfile = \"k.toml\"\nfields = [\"{long}\"]")),
-            ["baseline.fields: \"xxx", "allowed are family"],
+            ["line 6: baseline.fields has \"xxx", "allowed are family"],
         ),
-        (around(&format!("[[limit]]\n{long} = 0")), ["line 5", "expected one of"]),
-        (around("[baseline]\nfile = \"known.toml\""), ["known.toml:", "line 1"]),
+        (around(&format!("[[limit]]\n{long} = 0")), ["line 5: \"xxx", "\" is no key here; allowed are engine, "]),
+        (around("[baseline]\nfile = \"known.toml\""), ["known.toml line 1: \"xxx", "is no key here"]),
     ] {
         write("known.toml", &format!("{long} = 1\n"));
         write("gate.toml", &text);

@@ -1,6 +1,7 @@
 //! What a gate file says.
 
 use super::possible_findings;
+use super::toml_error::{line_of_key, toml_error};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::steps::StepChange;
 use rockproof_differential::compare::AnswerChange;
@@ -99,8 +100,9 @@ impl GateConfig {
     /// # Errors
     /// What is wrong, with the line, and what is allowed.
     pub fn from_toml(text: &str, file: &str) -> Result<GateConfig, String> {
-        let mut config: GateConfig = toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
-        let table: toml::Table = toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
+        let told = |error: toml::de::Error| toml_error(file, text, &error);
+        let mut config: GateConfig = toml::from_str(text).map_err(told)?;
+        let table: toml::Table = toml::from_str(text).map_err(told)?;
         if table.is_empty() {
             return Err(format!(
                 "{file}: nothing stands in it; allowed are corpus, rotating_pairs, [campaign], [baseline] and [[limit]], as in docs/gate.md"
@@ -112,7 +114,8 @@ impl GateConfig {
         config.campaign.settle_engines();
         if config.campaign.pairs == 0 && (!config.limit.is_empty() || config.baseline.is_some()) {
             return Err(format!(
-                "{file}: campaign.pairs is 0, where limits and baselines hold whatever the engines do; allowed are 1 and more"
+                "{file} line {}: campaign.pairs is 0, where limits and baselines hold whatever the engines do; allowed are 1 and more",
+                line_of_key(text, "campaign", "pairs")
             ));
         }
         for limit in &config.limit {
@@ -126,18 +129,21 @@ impl GateConfig {
             {
                 if let Some(found) = list.iter().find(|name| !allowed.contains(&name.as_str())) {
                     let found = excerpt(found, EXCERPT_LENGTH);
-                    return Err(format!("{file}: baseline.{key}: \"{found}\"; allowed are {}", allowed.join(", ")));
+                    let line = line_of_key(text, "baseline", key);
+                    let allowed = allowed.join(", ");
+                    return Err(format!("{file} line {line}: baseline.{key} has \"{found}\"; allowed are {allowed}"));
                 }
             }
-            if !baseline.confidence.is_none_or(is_confidence) {
-                return Err(format!("{file}: baseline.confidence {NOT_CONFIDENCE}"));
+            if let Some(found) = baseline.confidence.filter(|value| !is_confidence(*value)) {
+                let line = line_of_key(text, "baseline", "confidence");
+                return Err(format!("{file} line {line}: baseline.confidence is {found}; {CONFIDENCES}"));
             }
         }
         Ok(config)
     }
 }
 
-const NOT_CONFIDENCE: &str = "is outside what is allowed: from 0.5 to below 1";
+const CONFIDENCES: &str = "allowed are 0.5 to below 1";
 
 fn is_confidence(value: f64) -> bool {
     (0.5..1.0).contains(&value)
@@ -178,17 +184,20 @@ impl FindingLimit {
             return Err(why);
         }
         match (self.count, self.rate) {
-            (Some(_), None) if self.confidence.is_some() => Err("confidence belongs to a rate, not to a count".into()),
+            (Some(_), None) if self.confidence.is_some() => {
+                Err("the limit has confidence and count; confidence is allowed with rate alone".into())
+            }
             (Some(_), None) => Ok(()),
             // No share is above 1, so such a limit would hold whatever is found.
             (None, Some(rate)) if !(0.0..1.0).contains(&rate) => {
                 Err(format!("rate is {rate}; allowed are 0 to below 1"))
             }
-            (None, Some(_)) if !self.confidence.is_none_or(is_confidence) => {
-                Err(format!("confidence {NOT_CONFIDENCE}"))
-            }
-            (None, Some(_)) => Ok(()),
-            _ => Err("a limit needs either count or rate".into()),
+            (None, Some(_)) => match self.confidence.filter(|value| !is_confidence(*value)) {
+                Some(found) => Err(format!("confidence is {found}; {CONFIDENCES}")),
+                None => Ok(()),
+            },
+            (Some(_), Some(_)) => Err("the limit has count and rate; allowed is one of them alone".into()),
+            (None, None) => Err("the limit has neither count nor rate; one of them is needed".into()),
         }
     }
 

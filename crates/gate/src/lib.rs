@@ -11,6 +11,7 @@ pub mod limit_scope;
 mod possible_findings;
 pub mod tally;
 pub mod tally_row;
+pub mod toml_error;
 
 use config::{FindingLimit, GateConfig, RECOVERED, line_of};
 use rockproof_model::text::noun;

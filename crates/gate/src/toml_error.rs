@@ -1,0 +1,120 @@
+//! Errors of a gate's files in one style: file, line, what was found and what is allowed.
+
+use super::config::line_of;
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
+
+/// What is wrong with a text in TOML, whose file is called `file`.
+pub fn toml_error(file: &str, text: &str, error: &toml::de::Error) -> String {
+    let place = error.span().map_or(0, |span| span.start);
+    let what = what(error.message(), key_at(text, place));
+    format!("{file} line {}: {}", line_of(text, place), excerpt(&what, EXCERPT_LENGTH * 4))
+}
+
+/// What a message of the reader says, and the key that it is about.
+fn what(message: &str, key: Option<&str>) -> String {
+    if let Some((found, allowed)) =
+        message.strip_prefix("unknown field `").and_then(|rest| rest.split_once("`, expected "))
+    {
+        let allowed = allowed.strip_prefix("one of ").unwrap_or(allowed).replace('`', "").replace(" or ", ", ");
+        return format!("\"{}\" is no key here; allowed are {allowed}", excerpt(found, EXCERPT_LENGTH));
+    }
+    if let Some(key) = message.strip_prefix("missing field `").and_then(|rest| rest.split_once('`')) {
+        return format!("{} is not given, and is needed", key.0);
+    }
+    let wrong = ["invalid type: ", "invalid value: "].iter().find_map(|start| message.strip_prefix(start));
+    if let Some((found, expected)) = wrong.and_then(|rest| rest.rsplit_once(", expected ")) {
+        let found = found_words(found);
+        let key = key.map_or(String::new(), |key| format!("{} is ", excerpt(key, EXCERPT_LENGTH)));
+        return format!("{key}{}; allowed is {}", excerpt(&found, EXCERPT_LENGTH), allowed_words(expected));
+    }
+    message.to_owned()
+}
+
+/// A value as it stands in the file.
+fn found_words(found: &str) -> String {
+    let quoted = found.split_once('`').and_then(|(_, rest)| rest.strip_suffix('`'));
+    match (found.strip_prefix("string "), quoted) {
+        (Some(text), _) => text.to_owned(),
+        (None, Some("NaN")) => "nan".to_owned(),
+        (None, Some(value)) => value.to_owned(),
+        (None, None) if found == "map" => "a table".to_owned(),
+        (None, None) if found == "sequence" => "a list".to_owned(),
+        (None, None) => found.to_owned(),
+    }
+}
+
+/// A type as the pages name it.
+fn allowed_words(expected: &str) -> String {
+    let words = match expected {
+        "u64" | "u32" | "usize" => "a whole number from 0",
+        "f64" | "f32" => "a number",
+        "a string" | "string" | "path string" => "a text in quotes",
+        "a sequence" | "sequence" => "a list in brackets",
+        "a boolean" => "true or false",
+        "a map" | "map" => "a table",
+        struct_name if struct_name.starts_with("struct ") => "a table",
+        other => other,
+    };
+    words.to_owned()
+}
+
+/// The key on the line of a place.
+fn key_at(text: &str, place: usize) -> Option<&str> {
+    let start = text.get(..place)?.rfind('\n').map_or(0, |end| end + 1);
+    let line = text.get(start..)?.lines().next()?;
+    let key = line.split_once('=')?.0.trim();
+    (!key.is_empty() && !key.starts_with('#')).then_some(key)
+}
+
+/// The line, from 1, of a key of a table, or of the table's head where the key does not stand at the beginning of a line.
+pub(crate) fn line_of_key(text: &str, table: &str, key: &str) -> usize {
+    let head = format!("[{table}]");
+    let mut lines = text.lines().enumerate().map(|(at, line)| (at + 1, line.trim_start()));
+    let Some((of_head, _)) = lines.find(|(_, line)| line.starts_with(&head)) else { return 1 };
+    let is_key = |line: &str| line.strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+    lines.take_while(|(_, line)| !line.starts_with('[')).find(|(_, line)| is_key(line)).map_or(of_head, |(at, _)| at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{line_of_key, toml_error};
+    use crate::config::GateConfig;
+
+    fn told(text: &str) -> String {
+        let error = toml::from_str::<GateConfig>(text).expect_err("an error");
+        toml_error("gate.toml", text, &error)
+    }
+
+    #[test]
+    fn errors_name_the_line_what_was_found_and_what_is_allowed() {
+        let limit = |line: &str| told(&format!("corpus = []\n[[limit]]\n{line}\n"));
+        for (line, wanted) in [
+            ("count = nan", "count is nan; allowed is a whole number from 0"),
+            ("count = -1", "count is -1; allowed is a whole number from 0"),
+            ("count = \"no\"", "count is \"no\"; allowed is a whole number from 0"),
+            ("rate = true", "rate is true; allowed is a number"),
+            ("cause = 3", "cause is 3; allowed is a text in quotes"),
+            ("cause = [\"defect\"]", "cause is a list; allowed is a text in quotes"),
+        ] {
+            assert_eq!(limit(line), format!("gate.toml line 3: {wanted}"));
+        }
+        let unknown = limit("causes = \"engine\"");
+        assert!(
+            unknown.starts_with("gate.toml line 3: \"causes\" is no key here; allowed are engine, tolerances, "),
+            "{unknown}"
+        );
+        assert_eq!(told("corpus = []\n[baseline]\n"), "gate.toml line 2: file is not given, and is needed");
+        assert_eq!(told("corpus = 3\n"), "gate.toml line 1: corpus is 3; allowed is a list in brackets");
+        let cut = told("corpus = []\n[campaign]\nfamilies = [\"sliver");
+        assert!(cut.starts_with("gate.toml line 3: ") && !cut.contains('\n'), "{cut}");
+    }
+
+    #[test]
+    fn a_key_is_found_in_its_table() {
+        let text =
+            "corpus = []\n[campaign]\npairs = 3\n\n[baseline]\nfile = \"k\"\n  causes= []\n[[limit]]\nfields = 1\n";
+        let line = |table, key| line_of_key(text, table, key);
+        assert_eq!([line("campaign", "pairs"), line("baseline", "causes"), line("baseline", "fields")], [3, 7, 5]);
+        assert_eq!(line_of_key("baseline = {}\n", "baseline", "file"), 1);
+    }
+}
