@@ -98,6 +98,19 @@ pub enum EngineSpecError {
     /// No time to answer.
     #[error("engine \"{}\": timeout_ms is 0; allowed are 1 and more", excerpt(.0, EXCERPT_LENGTH))]
     Timeout(String),
+    /// A gap might be off by so much that none is wrong.
+    #[error(
+        "engine \"{}\": accuracy is {found}; allowed are at most {most}, with which a gap may be off by a sixteenth of the largest coordinate",
+        excerpt(.name, EXCERPT_LENGTH)
+    )]
+    Accuracy {
+        /// The engine.
+        name: String,
+        /// Its accuracy.
+        found: u64,
+        /// The greatest accuracy.
+        most: u64,
+    },
 }
 
 /// The most characters of the name of an engine.
@@ -195,6 +208,10 @@ impl EngineSpec {
         if self.timeout_ms == 0 {
             return Err(EngineSpecError::Timeout(self.name.clone()));
         }
+        let most = (1.0 / (16.0 * Precision::from(self.precision).epsilon())) as u64;
+        if self.accuracy > most {
+            return Err(EngineSpecError::Accuracy { name: self.name.clone(), found: self.accuracy, most });
+        }
         Ok(())
     }
 }
@@ -227,6 +244,12 @@ mod tests {
         ] {
             let fault = EngineSpec::parse(text).expect_err(text).to_string();
             assert!(fault.contains(told), "{text}: {fault}");
+        }
+        for (text, most) in [("a=x", 1 << 48), ("a:f32=x", 1 << 19)] {
+            let with = |accuracy| EngineSpec { accuracy, ..EngineSpec::parse(text).expect("good") };
+            assert_eq!(EngineSpec::check_all(&[with(most)]), Ok(()));
+            let fault = EngineSpec::check_all(&[with(most + 1)]).expect_err("no gap is wrong").to_string();
+            assert!(fault.contains(&format!("allowed are at most {most},")), "{fault}");
         }
         let one = EngineSpec::parse("a=x").expect("good");
         let fault = EngineSpec::check_all(&[one.clone(), one]).expect_err("twice").to_string();
