@@ -108,6 +108,24 @@ fn a_collision_code_in_f32_is_told_to_be_declared_so() {
     assert!(in_single.is_none_or(|row| row.verdict == DiagnosisVerdict::Contradicted), "{rows:#?}");
 }
 
+/// Gaps that are all too large by one length, or overlaps that are too deep by one factor, are no doing of f32.
+#[test]
+fn one_length_or_factor_too_many_is_not_told_to_be_f32() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let pairs = ["--pairs", "256", "--tolerances", "auto", "--family", "edge_cross,corner_corner"];
+    for (name, wrong) in
+        [("length", "said.gap_m + 1e-6"), ("factor", "said.gap_m * 1.5"), ("f32", "(float)(said.gap_m + 1e-6)")]
+    {
+        let mine = changed_cpp_client(&dir.path().join(name), "said.gap_m, n[0]", &format!("{wrong}, n[0]"));
+        let Some(mine) = mine else { return };
+        let (rows, said) = diagnosed_engine(dir.path(), &format!("of-{name}"), &mine, &pairs);
+        assert!(rows.first().is_some_and(|row| row.differing > 60), "{name}: {rows:#?}");
+        let told = rows.iter().find(|row| row.hypothesis == "state-in-f32");
+        assert!(told.is_none_or(|row| row.verdict == DiagnosisVerdict::Contradicted), "{name}: {rows:#?}");
+        assert!(!said.contains("declare it as"), "{name}: {said}");
+    }
+}
+
 #[test]
 fn the_diagnosis_is_the_same_however_the_campaign_was_run() {
     let dir = tempfile::tempdir().expect("a directory");

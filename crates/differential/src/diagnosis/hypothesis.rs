@@ -68,6 +68,11 @@ pub(super) trait Hypothesis: Send + Sync {
         false
     }
 
+    /// Whether it allows so much that gaps which are all too large by one length, or by one factor, fit as well: then it is not told of those.
+    fn allows_for_more(&self) -> bool {
+        false
+    }
+
     /// Whether it leaves part of an answer open: then one that leaves nothing open and explains the same is told alone.
     fn leaves_open(&self) -> bool {
         false

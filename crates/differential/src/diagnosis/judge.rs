@@ -9,6 +9,7 @@ use super::lag::{self, Lag};
 use super::question::{PreparedBlocks, PreparedQuestion, Question, Reply};
 use super::ranges::as_ranges;
 use super::row::{ALL_NEAR_TIES, DiagnosisRow, DiagnosisVerdict};
+use super::states::have_one_mistake;
 use super::tolerances::probes;
 use crate::answer_detail::AnswerDetail;
 use crate::finding::FAR_FROM_TIE;
@@ -59,6 +60,8 @@ struct Judged {
     too_accurate: BTreeSet<usize>,
     /// [`PreparedQuestion::roundoffs_from_tie`].
     roundoffs: f64,
+    /// The gap of a state as said and as it is.
+    gap: Option<[f64; 2]>,
 }
 
 /// What right answers say against a hypothesis.
@@ -132,7 +135,12 @@ pub fn diagnose(engine: &str, sample: &Sample, asking: Asking<'_>, others: Other
         against[number].too_accurate += 1;
     }
     let answers = judged.len() + sample.agreeing.len();
-    let stands = |&number: &usize| against[number].spares(explained(number, &left).len(), answers);
+    let is_simpler = |number: usize| {
+        let gaps: Vec<[f64; 2]> = explained(number, &left).into_iter().filter_map(|at| judged[at].gap).collect();
+        hypotheses[number].allows_for_more() && have_one_mistake(&gaps)
+    };
+    let stands =
+        |&number: &usize| against[number].spares(explained(number, &left).len(), answers) && !is_simpler(number);
     let mut standing: Vec<usize> = alive.iter().copied().filter(stands).collect();
     let mut rows = Vec::new();
     if let Some(late) = late {
@@ -255,6 +263,7 @@ fn judge(question: &Question, hypotheses: &[Box<dyn Hypothesis>]) -> Judged {
         refuted: (0..hypotheses.len()).filter(|&number| hypotheses[number].is_refuted(&asked)).collect(),
         too_accurate: (0..hypotheses.len()).filter(|&number| hypotheses[number].is_too_accurate(&asked)).collect(),
         roundoffs: asked.roundoffs_from_tie(),
+        gap: asked.gap(),
     }
 }
 

@@ -129,6 +129,13 @@ impl<'q> PreparedQuestion<'q> {
         Some(CollisionQuery { blocks, precision, accuracy }.compare_with(exact, said))
     }
 
+    /// The gap of a state as the engine said it and as it is.
+    pub(super) fn gap(&self) -> Option<[f64; 2]> {
+        let Reply::State(said) = self.question.reply else { return None };
+        let (_, comparison) = self.compare_state(said, self.question.accuracy)?;
+        Some([said.gap_m?, comparison.exact_gap_m])
+    }
+
     /// Whether a state is right for the blocks of the question; `None` where nothing exact stands against it.
     pub(super) fn state_is_right(&self, said: ReportedState) -> Option<bool> {
         let (wrong, _) = self.compare_state(said, self.question.accuracy)?;

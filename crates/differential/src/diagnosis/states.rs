@@ -85,10 +85,14 @@ impl Hypothesis for StateMistake {
         Some(comparison.margin_ulps.abs())
     }
 
-    /// The gap is far nearer to that of the blocks as they are than to that of the blocks in f32, which is all that an engine in f32 knows of.
+    /// The gap has more digits than numbers in f32, or is far nearer to that of the blocks as they are than to that of the blocks in f32, which is all that
+    /// an engine in f32 knows of.
     fn is_too_accurate(&self, asked: &PreparedQuestion<'_>) -> bool {
         let StateMistake::InSingle = self else { return false };
         let Reply::State(said) = asked.question.reply else { return false };
+        if said.gap_m.is_some_and(|gap| !is_said_in_single(gap)) {
+            return true;
+        }
         let gaps = || {
             let (_, given) = asked.compare_state(said, asked.question.accuracy)?;
             let (_, single) = compare_in_single(asked, said)?;
@@ -98,6 +102,10 @@ impl Hypothesis for StateMistake {
     }
 
     fn leaves_open(&self) -> bool {
+        matches!(self, StateMistake::InSingle)
+    }
+
+    fn allows_for_more(&self) -> bool {
         matches!(self, StateMistake::InSingle)
     }
 
@@ -133,6 +141,37 @@ impl StateMistake {
             StateMistake::Within(..) | StateMistake::InSingle => None,
         }
     }
+}
+
+/// Whether a number in f32 may be printed so: as it is, or in no more digits than it has.
+fn is_said_in_single(number: f64) -> bool {
+    let single = number as f32;
+    let printed = format!("{number:e}");
+    let digits = printed.split('e').next().map_or(0, |digits| digits.bytes().filter(u8::is_ascii_digit).count());
+    let is_printed = || (1..=9).contains(&digits) && format!("{single:.*e}", digits - 1).parse() == Ok(number);
+    f64::from(single) == number || is_printed()
+}
+
+/// Whether most of these gaps, as said and as they are, differ by one length or by one factor, to what they are said in in f32. A difference no larger
+/// than f32 has of any number says nothing.
+pub(super) fn have_one_mistake(gaps: &[[f64; 2]]) -> bool {
+    let middle = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(0.0)
+    };
+    let (length, factor) = (
+        middle(gaps.iter().map(|[said, exact]| said - exact).collect()),
+        middle(gaps.iter().filter(|[_, exact]| *exact != 0.0).map(|[said, exact]| said / exact).collect()),
+    );
+    let fitting = |meant: &dyn Fn(f64) -> f64| {
+        let fits = |[said, exact]: &&[f64; 2]| {
+            let unit = said.abs().max(exact.abs()) * Precision::F32.epsilon();
+            (said - meant(*exact)).abs() <= 4.0 * unit && (meant(*exact) - exact).abs() > 16.0 * unit
+        };
+        gaps.iter().filter(fits).count()
+    };
+    let most = fitting(&|exact| exact + length).max(fitting(&|exact| exact * factor));
+    most * 2 > gaps.len()
 }
 
 /// What is wrong with a state that an engine in f32 says, and the comparison; `None` where a coordinate overflows or a block is concave.
