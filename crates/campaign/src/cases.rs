@@ -11,6 +11,7 @@ use super::steps::{self, StepFinding, StepFindingRow};
 use rayon::prelude::*;
 use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::case_file::Case;
+use rockproof_differential::external::without_counting_details;
 use rockproof_differential::finding::{FAR_FROM_TIE, Finding, Fingerprint};
 use rockproof_differential::lockstep::Intrusion;
 use rockproof_differential::motion::PairMotion;
@@ -165,9 +166,11 @@ impl Campaign<'_> {
     /// The case file of a finding, made small; none where the pair alone does not show the finding again.
     fn case(&self, finding: &Finding) -> Result<Option<Vec<u8>>, RunError> {
         let panel = (self.narrow)(finding);
-        let case = self.subject(finding.index).and_then(|s| Case::of(finding, &s, self.config.seed, &panel));
-        let Some(case) = case else { return Ok(None) };
-        Ok(Some(Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case).to_toml()?.into_bytes()))
+        let shrunk = without_counting_details(|| {
+            let case = self.subject(finding.index).and_then(|s| Case::of(finding, &s, self.config.seed, &panel));
+            case.map(|case| Shrinker::new(&panel, self.config.shrink_evaluations).shrink(case))
+        });
+        Ok(shrunk.map(|case| case.to_toml()).transpose()?.map(String::into_bytes))
     }
 
     /// The case file of a finding about a step; none where the oracle's step ends in a stop, so that there is no answer to record, or where
@@ -195,7 +198,8 @@ impl Campaign<'_> {
 
     /// The case file of the finding behind a row, if the pair shows that again.
     pub(super) fn case_of_row(&self, row: &FindingRow, place: usize) -> Option<Result<Option<Vec<u8>>, RunError>> {
-        Some(self.case(&self.finding_again(row, place)?))
+        let finding = without_counting_details(|| self.finding_again(row, place))?;
+        Some(self.case(&finding))
     }
 
     /// The same of a finding about a step.

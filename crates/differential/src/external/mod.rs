@@ -26,6 +26,7 @@ use super::finding::Cause;
 use process::{NoAnswer, Process};
 use rockproof_model::text::noun;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
+use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
@@ -194,6 +195,9 @@ impl External {
     }
 
     fn count_detail(&self, detail: AnswerDetail) {
+        if UNCOUNTED.get() {
+            return;
+        }
         let mut sum = self.0.counts.detail.lock().unwrap_or_else(PoisonError::into_inner);
         *sum = sum.plus(detail);
     }
@@ -230,6 +234,24 @@ impl External {
             }
         }
     }
+}
+
+thread_local! {
+    /// Whether what answers say is not counted, of questions asked on this thread.
+    static UNCOUNTED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does some work on this thread and does not count what engines say in their answers meanwhile, as while a case is made smaller: how many pairs are asked
+/// about then depends on what was found, so counts of runs over the same pairs could not be compared.
+pub fn without_counting_details<T>(work: impl FnOnce() -> T) -> T {
+    struct Before(bool);
+    impl Drop for Before {
+        fn drop(&mut self) {
+            UNCOUNTED.set(self.0);
+        }
+    }
+    let _before = Before(UNCOUNTED.replace(true));
+    work()
 }
 
 /// What asking a process came to.
