@@ -33,6 +33,7 @@ mod external_engines;
 mod gate_command;
 mod gate_evidence;
 mod gate_formats;
+mod gate_given;
 mod gate_leftovers;
 mod gate_limits;
 #[cfg(unix)]

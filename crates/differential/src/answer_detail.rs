@@ -1,5 +1,8 @@
 //! How much external engines say in their answers: what they leave unsaid is not compared, and people must know of how many.
 
+#[cfg(test)]
+mod tests;
+
 use super::separation_state::{ReportedState, SeparationState};
 use rockproof_model::text::noun;
 use serde::{Deserialize, Serialize};
@@ -48,6 +51,45 @@ impl StateDetail {
     }
 }
 
+/// Something that an answer may leave unsaid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsaid {
+    /// The entrance of a contact, and with it the sign of the gap.
+    Entrances,
+    /// The gap of a state.
+    Gaps,
+    /// The normal of a state.
+    Normals,
+}
+
+/// Of which pairs two counts are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CountedPairs {
+    /// Both of the same pairs.
+    Same,
+    /// Each of other pairs.
+    Other,
+    /// Each of other pairs, in campaigns of any size, and the same engine is counted of the same pairs as well: then nothing is told that chance may
+    /// explain.
+    Rotating,
+}
+
+impl CountedPairs {
+    /// How likely it is by chance that nothing is given of `of`, where `before` is given of `of_before`: as in the gate's test of rates, of all that
+    /// is given in both each falls to the count before with its share of all. Of pairs that rotate the answers to a batch of sixteen count as one.
+    fn chance_of_none(self, of: u64, before: u64, of_before: u64) -> f64 {
+        let together = match self {
+            CountedPairs::Same => return 0.0,
+            CountedPairs::Other => 1.0,
+            CountedPairs::Rotating => 16.0,
+        };
+        (of_before as f64 / (of_before as f64 + of as f64)).powf(before as f64 / together)
+    }
+}
+
+/// What chance explains no better than this is no chance.
+const NO_CHANCE: f64 = 0.001;
+
 /// Something that an answer may leave unsaid, for how many of those that may say it.
 #[derive(Clone, Copy)]
 struct Share {
@@ -71,9 +113,10 @@ impl Share {
         u128::from(self.given) * u128::from(before.of) < u128::from(before.given) * u128::from(self.of)
     }
 
-    /// Whether that it is below is no chance of other pairs: it was all and is not, or is none and was not.
-    fn is_all_or_none(self, before: Share) -> bool {
-        before.given == before.of || self.given == 0
+    /// Whether that it is below is no chance of other pairs: it was all and is not, or is none and was not, which few pairs may show by chance.
+    fn is_all_or_none(self, before: Share, pairs: CountedPairs) -> bool {
+        let is_none = || self.given == 0 && pairs.chance_of_none(self.of, before.given, before.of) < NO_CHANCE;
+        before.given == before.of || is_none()
     }
 }
 
@@ -168,9 +211,9 @@ impl AnswerDetail {
     }
 
     /// What is given for another share of the contacts or states than before, beyond what chance or other answers may do to shares.
-    pub fn shifts(self, before: AnswerDetail, same_pairs: bool) -> Vec<DetailShift> {
-        let less = self.losses(before, same_pairs);
-        let more = before.losses(self, same_pairs);
+    pub fn shifts(self, before: AnswerDetail, pairs: CountedPairs) -> Vec<DetailShift> {
+        let less = self.losses(before, pairs);
+        let more = before.losses(self, pairs);
         let mut shifts: Vec<DetailShift> = Vec::new();
         for (less, more) in less.into_iter().zip(more) {
             let Some((now, was, less)) =
@@ -191,30 +234,72 @@ impl AnswerDetail {
         shifts
     }
 
-    /// Whether less is said than before: [`AnswerDetail::shifts`] tells of what.
-    pub fn says_less_than(self, before: AnswerDetail, same_pairs: bool) -> bool {
-        self.losses(before, same_pairs).iter().any(Option::is_some)
-    }
-
     /// What is given for a smaller share than before, now and before; always as many, in the same order.
     ///
-    /// Contacts: entrances for a smaller share of them, or no contacts are named any more. States: gaps or normals for a smaller share of those that
-    /// say the same, and not only because some answers say another state now or fail; or no answer says a state any more. Of other pairs a share may be
-    /// another by chance: there it is less where it was all and is not, or is none and was not.
-    fn losses(self, before: AnswerDetail, same_pairs: bool) -> Vec<Option<[Share; 2]>> {
+    /// Contacts: entrances for a smaller share of them, and for more contacts no longer than there are fewer; or no contacts are named any more. States:
+    /// gaps or normals for a smaller share of those that say the same, and not only because some answers say another state now or fail; or no answer says
+    /// a state any more. Of other pairs a share may be another by chance: there it is less where it was all and is not, or is none and was not.
+    fn losses(self, before: AnswerDetail, pairs: CountedPairs) -> Vec<Option<[Share; 2]>> {
         let [now, was] = [self, before].map(AnswerDetail::of_contacts);
-        let is_less = now.is_below(was) && (same_pairs || now.is_all_or_none(was));
-        let mut losses = vec![((was.of > 0 && now.of == 0) || is_less).then_some([now, was])];
-        let is_gone = self.states().answers == 0;
+        // Of few pairs it may be by chance that there is none at all.
+        let may_be_gone = pairs != CountedPairs::Rotating;
+        // Contacts that are named anew, as where a mistake is mended, take no entrance away from others.
+        let is_unexplained = was.given.saturating_sub(now.given) > was.of.saturating_sub(now.of);
+        let is_certain = now.is_all_or_none(was, pairs) || (pairs == CountedPairs::Same && is_unexplained);
+        let is_gone = (may_be_gone && was.of > 0 && now.of == 0) || self.names_fewer_contacts(before, pairs);
+        let mut losses = vec![(is_gone || (now.is_below(was) && is_certain)).then_some([now, was])];
+        let is_gone = may_be_gone && self.states().answers == 0;
         for ((state, now), (_, was)) in self.by_state().into_iter().zip(before.by_state()) {
             for (now, was) in of_state(Some(state), now).into_iter().zip(of_state(Some(state), was)) {
                 let is_unexplained = was.given.saturating_sub(now.given) > was.of.abs_diff(now.of);
-                let is_certain = now.is_all_or_none(was) || (same_pairs && is_unexplained);
+                let is_certain = now.is_all_or_none(was, pairs) || (pairs == CountedPairs::Same && is_unexplained);
                 let is_less = now.is_below(was) && is_certain;
                 losses.push(((was.given > 0 && is_gone) || is_less).then_some([now, was]));
             }
         }
         losses
+    }
+
+    /// Whether some answers that named contacts say only how blocks lie now.
+    fn names_fewer_contacts(self, before: AnswerDetail, pairs: CountedPairs) -> bool {
+        let [now, was] = [self, before].map(|detail| detail.states().answers);
+        let is_new = was == 0 && now > 0 && before.contacts > 0;
+        is_new || (pairs == CountedPairs::Same && now > was && self.contacts < before.contacts)
+    }
+
+    /// For how many contacts or states something was given, where not for all.
+    pub fn note_of(self, what: Unsaid) -> Option<String> {
+        let share = self.share_of(what, None);
+        (share.given < share.of).then(|| format!("{} given for {}", share.what, share.note()))
+    }
+
+    /// How often something was given, and how often it may have been.
+    pub fn counts_of(self, what: Unsaid) -> [u64; 2] {
+        let share = self.share_of(what, None);
+        [share.given, share.of]
+    }
+
+    /// Whether something was given often enough for a limit on it to say anything: for half of what may have it. A code may measure distances or overlaps
+    /// alone, so half of the states apart, or of those overlapping, is enough where it is a tenth of all states. That blocks which touch have the gap 0
+    /// says nothing more than the state.
+    pub fn is_given_enough(self, what: Unsaid) -> bool {
+        let all = self.share_of(what, None);
+        let [(_, apart), _, (_, overlapping)] =
+            self.by_state().map(|(state, _)| (state, self.share_of(what, Some(state))));
+        let is_half = |share: &Share| share.given > 0 && share.given >= share.of - share.given;
+        is_half(&all) || [apart, overlapping].iter().any(|share| is_half(share) && share.given >= all.of.div_ceil(10))
+    }
+
+    /// The share of something among all contacts or states, or among the states that say one thing.
+    fn share_of(self, what: Unsaid, state: Option<SeparationState>) -> Share {
+        let is_meant = |one: &(SeparationState, StateDetail)| Some(one.0) == state;
+        let detail = self.by_state().into_iter().find(is_meant).map_or(self.states(), |(_, detail)| detail);
+        let [gaps, normals] = of_state(state, detail);
+        match what {
+            Unsaid::Entrances => self.of_contacts(),
+            Unsaid::Gaps => gaps,
+            Unsaid::Normals => normals,
+        }
     }
 }
 
@@ -222,78 +307,4 @@ impl AnswerDetail {
 fn of_state(state: Option<SeparationState>, detail: StateDetail) -> [Share; 2] {
     let share = |what, given| Share { what, given, of: detail.answers, is_of_contacts: false, state };
     [share("gaps", detail.gaps), share("normals", detail.normals)]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{AnswerDetail, StateDetail};
-
-    fn state(answers: u64, gaps: u64, normals: u64) -> StateDetail {
-        StateDetail { answers, gaps, normals }
-    }
-
-    /// A code that measures what touches or overlaps alone.
-    fn measured() -> AnswerDetail {
-        AnswerDetail { apart: state(360, 0, 0), overlapping: state(192, 192, 192), ..AnswerDetail::default() }
-    }
-
-    #[test]
-    fn what_was_kept_before_states_were_counted_is_read() {
-        let text = r#"{"contacts":9,"entrances":7,"gap_m":1}"#;
-        let detail: AnswerDetail = serde_json::from_str(text).expect("JSON of an earlier version");
-        assert_eq!(detail, AnswerDetail { contacts: 9, entrances: 7, gap_m: 1, ..AnswerDetail::default() });
-        assert!(!measured().says_less_than(AnswerDetail::default(), true), "it says nothing of states");
-    }
-
-    #[test]
-    fn sums_and_differences_have_the_states() {
-        let (one, sum) = (measured(), measured().plus(measured()));
-        assert_eq!((sum.overlapping, sum.states()), (state(384, 384, 384), state(1104, 384, 384)));
-        assert_eq!(sum.since(one), one);
-    }
-
-    #[test]
-    fn what_is_not_given_is_told_once() {
-        let of = |detail: AnswerDetail| detail.incomplete_note().unwrap_or_default();
-        assert_eq!(of(measured()), "gaps and normals given for 192 of 552 states");
-        let no_gaps = AnswerDetail { apart: state(0, 0, 0), overlapping: state(1, 0, 1), ..measured() };
-        assert_eq!(of(no_gaps), "gaps given for 0 of 1 state");
-        let mixed = AnswerDetail { contacts: 4, entrances: 1, overlapping: state(2, 1, 0), ..AnswerDetail::default() };
-        let told = "entrances and signs of gaps given for 1 of 4 contacts, gaps given for 1 of 2 states, normals given for 0 of 2 states";
-        assert_eq!(of(mixed), told);
-        assert_eq!(of(AnswerDetail { overlapping: state(2, 2, 2), ..AnswerDetail::default() }), "");
-    }
-
-    #[test]
-    fn fewer_gaps_are_less_unless_other_states_explain_it() {
-        let less = |now: AnswerDetail, was: AnswerDetail, same| now.says_less_than(was, same);
-        let with = |overlapping| AnswerDetail { overlapping, ..measured() };
-        for now in [state(192, 0, 192), state(192, 192, 0), state(192, 191, 192), state(192, 0, 0)] {
-            assert!(less(with(now), measured(), true) && less(with(now), measured(), false), "{now:?}");
-            assert!(!less(measured(), with(now), true), "{now:?}");
-        }
-        // What was called overlapping is apart now: a mended mistake.
-        let mended = AnswerDetail { apart: state(363, 0, 0), ..with(state(189, 189, 189)) };
-        assert!(!less(mended, measured(), true) && !less(measured(), mended, true));
-        // Some gaps are there, as where a code measures nearby blocks alone.
-        let near = |answers, gaps| AnswerDetail { apart: state(answers, gaps, 0), ..AnswerDetail::default() };
-        assert!(less(near(360, 80), near(360, 100), true) && !less(near(360, 80), near(360, 100), false));
-        assert!(!less(near(359, 99), near(360, 100), true) && less(near(360, 0), near(360, 100), false));
-        // No state at all is less of what had gaps or normals.
-        let contacts = AnswerDetail { contacts: 9, entrances: 9, ..AnswerDetail::default() };
-        assert!(less(contacts, measured(), true) && !less(contacts, near(360, 0), true));
-        assert!(less(measured(), contacts, true), "contacts are gone");
-    }
-
-    #[test]
-    fn shares_that_are_alike_are_told_in_one() {
-        let now = AnswerDetail { overlapping: state(192, 0, 0), ..measured() };
-        let shifts = now.shifts(measured(), true);
-        let [shift] = &shifts[..] else { panic!("{shifts:?}") };
-        assert!(shift.less && !shift.is_of_contacts && shift.what == "gaps and normals", "{shift:?}");
-        assert_eq!(shift.before, "192 of 192 states \"overlapping\"");
-        assert_eq!(shift.after, "0 of 192 states \"overlapping\"");
-        assert!(measured().shifts(now, true).iter().all(|shift| !shift.less));
-        assert_eq!(measured().shifts(measured(), true), []);
-    }
 }

@@ -54,8 +54,8 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
             let mut case = TestCase::new(on_a_line(&check.name), status);
             case.set_time(Duration::try_from_secs_f64(check.seconds).unwrap_or_default());
             case.set_classname(format!("rockproof.{group}"));
-            // What is gone of a baseline is worth a word though nothing fails.
-            if check.status == CheckStatus::Pass && group == "baseline" {
+            // What is gone of a baseline, or what an engine left unsaid, is worth a word though nothing fails.
+            if check.status == CheckStatus::Pass && ["limit", "engine", "baseline"].contains(&group) {
                 case.set_system_out(on_a_line(&check.message));
             }
             suite.add_test_case(case);

@@ -5,7 +5,7 @@ mod evidence;
 use super::config::Baseline;
 use super::tally::{CampaignTally, ClassCount};
 use super::{CONFIDENCE, Check, CheckStatus};
-use rockproof_differential::answer_detail::{AnswerDetail, DetailShift, StateDetail};
+use rockproof_differential::answer_detail::{AnswerDetail, CountedPairs, DetailShift, StateDetail};
 use rockproof_differential::finding::Cause;
 use rockproof_model::text::noun;
 use serde::Deserialize;
@@ -144,6 +144,7 @@ impl KnownFindings {
             let message = format!("{left_out} sorts of finding about steps: the baseline was written without steps");
             checks.push(rowless(format!("{run}: baseline of steps"), message, CheckStatus::Skip, baseline));
         }
+        checks.extend(self.not_known(&now, run, baseline));
         let mut others = self.other_settings(run, settings);
         if run == "fixed" && others.is_empty() {
             others.extend(self.other_pairs(&now));
@@ -183,7 +184,8 @@ impl KnownFindings {
         let both = self.said.iter().filter_map(|(engine, was)| Some((engine, *was, *now.said.get(engine)?)));
         let mut checks = Vec::new();
         for (engine, was, now) in both {
-            let shifts = now.shifts(was, run == "fixed");
+            let pairs = if run == "fixed" { CountedPairs::Same } else { CountedPairs::Rotating };
+            let shifts = now.shifts(was, pairs);
             let subjects = [("of its contacts", true), ("of how blocks lie", false)];
             for (subject, is_of_contacts) in subjects {
                 let less = shifts.iter().filter(|shift| shift.less && shift.is_of_contacts == is_of_contacts);
@@ -198,6 +200,25 @@ impl KnownFindings {
             }
         }
         checks
+    }
+
+    /// A skipped check for each external engine that leaves something unsaid where the file does not say how much it said: it may say less than it did.
+    fn not_known(&self, now: &KnownFindings, run: &str, baseline: &Baseline) -> Vec<Check> {
+        if !baseline.causes.iter().any(|cause| cause == Cause::Engine.name()) {
+            return Vec::new();
+        }
+        let is_known =
+            |engine: &String| self.said.get(engine).is_some_and(|was| was.contacts + was.states().answers > 0);
+        let unknown = now.said.iter().filter(|(engine, _)| !is_known(engine));
+        let told = |(engine, detail): (&String, &AnswerDetail)| {
+            let message = format!(
+                "{}; the baseline does not say for how many they were given, so whether it says less than it did is not known: \
+                 --update-baseline adds that",
+                detail.incomplete_note()?
+            );
+            Some(rowless(format!("{run}: engine {engine} says no less"), message, CheckStatus::Skip, baseline))
+        };
+        unknown.filter_map(told).collect()
     }
 
     /// The pairs a fingerprint could have occurred in, of a step those that make some: those of its family where it names one, else all.

@@ -98,10 +98,13 @@ pub fn limits(config: &GateConfig, (file, text): (&str, &str), run: &str, tally:
             );
             (found.exceeds(rate, confidence), message)
         };
+        let given = limit_scope::given_note(limit, config, tally).map_or(String::new(), |note| format!("; {note}"));
+        let message = message + &given;
         let rows = (0..tally.rows.len()).filter(|&at| failed && tally.rows[at].is_of(limit)).collect();
         let unreached = || {
             let unbreakable = limit_scope::unbreakable(limit, config).or_else(|| tally.missing(limit));
-            unbreakable.or_else(|| limit_scope::unsaid(limit, config, tally))
+            let unsaid = unbreakable.or_else(|| limit_scope::unsaid(limit, config, tally));
+            unsaid.or_else(|| limit_scope::seldom(limit, config, tally))
         };
         let (status, message) = match unreached() {
             _ if failed => (CheckStatus::Fail, message),

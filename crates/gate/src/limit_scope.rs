@@ -6,14 +6,14 @@ use super::tally::CampaignTally;
 use rockproof_campaign::source::FamilySource;
 use rockproof_campaign::steps::{self, PASSAGE, StepChange};
 use rockproof_differential::agreement::EngineAnswers;
-use rockproof_differential::answer_detail::AnswerDetail;
+use rockproof_differential::answer_detail::{AnswerDetail, Unsaid};
 use rockproof_differential::builtin;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::external::EngineSpec;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCause;
 use rockproof_model::Precision;
-use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt, noun};
 
 /// That the campaign of a gate can find something of each limit, as far as that is known beforehand; `file` is the gate file.
 ///
@@ -133,64 +133,168 @@ pub(crate) fn unbreakable(limit: &FindingLimit, config: &GateConfig) -> Option<S
     }
 }
 
-/// Why a limit on what an answer may leave unsaid, as entrances, was not looked at: it is about external engines alone, and none of them gave any.
-pub(crate) fn unsaid(limit: &FindingLimit, config: &GateConfig, tally: &CampaignTally) -> Option<String> {
-    let change = limit.change.as_deref().and_then(AnswerChange::from_name)?;
+/// The external engines that a limit is about, with how much each said, and what the limit is on of which an answer may say nothing.
+fn told<'t>(
+    limit: &FindingLimit,
+    config: &'t GateConfig,
+    tally: &CampaignTally,
+) -> Option<(Unsaid, Vec<(&'t str, AnswerDetail)>)> {
+    let what = may_be_unsaid(limit.change.as_deref().and_then(AnswerChange::from_name)?)?;
+    let is_of_externals = limit.cause.as_ref().is_none_or(|cause| cause == Cause::Engine.name());
     let externals = config.campaign.external.iter().map(|spec| spec.name.as_str());
-    // How blocks lie external engines alone say.
-    let of_externals = limit.cause.as_deref() == Some(Cause::Engine.name()) || change.is_of_states();
-    let concerned: Vec<&str> = match limit.engine.as_deref() {
-        Some(engine) => externals.filter(|name| *name == engine).collect(),
-        None if of_externals => externals.collect(),
-        None => Vec::new(),
-    };
-    let details = concerned.iter().map(|name| tally.answers(name).detail);
-    let detail = details.fold(AnswerDetail::default(), AnswerDetail::plus);
-    if concerned.is_empty() || given(change, detail)? > 0 {
-        return None;
-    }
-    let names = concerned.join(" and ");
-    if change.is_of_states() {
-        let what = change.name();
-        return Some(match detail.states().answers {
-            0 => format!("{names} answered no state, so no {what}"),
-            1 => format!("{names} gave no {what} for its state: what is not given is not compared"),
-            states => format!("{names} gave no {what} for any of {states} states: what is not given is not compared"),
-        });
-    }
-    Some(match detail.contacts {
-        0 => format!("{names} named no contact, so no entrance and no sign of a gap"),
-        1 => format!(
-            "{names} gave neither entrance nor sign of the gap for its contact: what is not given is not compared"
-        ),
-        contacts => format!(
-            "{names} gave neither entrance nor sign of the gap for any of {contacts} contacts: what is not given is not compared"
-        ),
-    })
+    let concerned =
+        externals.filter(|name| is_of_externals && limit.engine.as_ref().is_none_or(|engine| engine == name));
+    Some((what, concerned.map(|name| (name, tally.answers(name).detail)).collect()))
 }
 
-/// How often an engine gave what a limit on this change is about; `None` where no answer can leave that unsaid.
-fn given(change: AnswerChange, detail: AnswerDetail) -> Option<u64> {
+/// For how many contacts or states what a limit is on was given, where not for all: what is not given is not compared.
+pub(crate) fn given_note(limit: &FindingLimit, config: &GateConfig, tally: &CampaignTally) -> Option<String> {
+    let (what, engines) = told(limit, config, tally)?;
+    let is_one = engines.len() == 1 && limit.engine.is_some();
+    let note = |(name, detail): &(&str, AnswerDetail)| {
+        let note = detail.note_of(what)?;
+        Some(if is_one { note } else { format!("{name}: {note}") })
+    };
+    let notes: Vec<String> = engines.iter().filter_map(note).collect();
+    let narrowed = if [&limit.family, &limit.tolerances, &limit.kind].iter().any(|of| of.is_some()) {
+        ", of all pairs"
+    } else {
+        ""
+    };
+    (!notes.is_empty()).then(|| format!("{}{narrowed}", notes.join(", ")))
+}
+
+/// Why a limit on what an answer may leave unsaid, as entrances, was not looked at: it is about external engines alone, and none of them gave it for
+/// as many contacts or states as say anything.
+pub(crate) fn unsaid(limit: &FindingLimit, config: &GateConfig, tally: &CampaignTally) -> Option<String> {
+    let (what, engines) = told(limit, config, tally)?;
+    // How blocks lie external engines alone say.
+    let of_builtin = limit.engine.is_none() && limit.cause.is_none() && what == Unsaid::Entrances;
+    if engines.is_empty() || of_builtin || engines.iter().any(|(_, detail)| detail.is_given_enough(what)) {
+        return None;
+    }
+    let none: Vec<&str> =
+        engines.iter().filter(|(_, detail)| detail.counts_of(what)[0] == 0).map(|(name, _)| *name).collect();
+    let little = engines.iter().filter(|(name, _)| !none.contains(name));
+    let sum = engines
+        .iter()
+        .filter(|(name, _)| none.contains(name))
+        .fold(AnswerDetail::default(), |sum, (_, one)| sum.plus(*one));
+    let mut sentences = Vec::new();
+    if !none.is_empty() {
+        sentences.push(nothing_given(what, &none.join(" and "), sum.counts_of(what)[1]));
+    }
+    sentences.extend(little.filter_map(|(name, detail)| {
+        let enough = match what {
+            Unsaid::Entrances => "half of them",
+            Unsaid::Gaps | Unsaid::Normals => "half of those apart, or overlapping, and a tenth of all",
+        };
+        Some(format!(
+            "{name}: {}, and a limit needs {enough}: what is not given is not compared",
+            detail.note_of(what)?
+        ))
+    }));
+    Some(sentences.join("; "))
+}
+
+/// Why a limit on contacts, or on how blocks lie, was not looked at: it is about external engines alone, and none of them says such a thing but seldom.
+pub(crate) fn seldom(limit: &FindingLimit, config: &GateConfig, tally: &CampaignTally) -> Option<String> {
+    let subject = Subject::of(limit)?;
+    let is_engine = limit.cause.as_deref() == Some(Cause::Engine.name());
+    let is_of_externals = limit.engine.is_some() || is_engine || subject == Subject::States;
+    let named = config.campaign.external.iter().map(|spec| spec.name.as_str());
+    let engines: Vec<&str> = named.filter(|name| limit.engine.as_ref().is_none_or(|engine| engine == name)).collect();
+    let told = |name: &&str| {
+        let answers = tally.answers(name);
+        let what = match subject {
+            Subject::Contacts => "named contacts",
+            Subject::States => "said how blocks lie",
+        };
+        let (of, pairs) = (subject.of_answers(&answers), answers.answered);
+        format!("{name} {what} for {of} of {pairs} {}, and a limit on that needs a tenth", noun(pairs, "pair", "pairs"))
+    };
+    let is_enough = |name: &&str| subject.is_enough(&tally.answers(name));
+    let is_skipped = is_of_externals && !engines.is_empty() && !engines.iter().any(is_enough);
+    is_skipped.then(|| engines.iter().map(told).collect::<Vec<_>>().join("; "))
+}
+
+/// What answers may be about.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Subject {
+    Contacts,
+    States,
+}
+
+impl Subject {
+    /// What the findings of a limit are about; `None` of any.
+    fn of(limit: &FindingLimit) -> Option<Subject> {
+        let change = limit.change.as_deref().and_then(AnswerChange::from_name);
+        if change.is_some_and(AnswerChange::is_of_states) {
+            return Some(Subject::States);
+        }
+        let is_of_contacts =
+            change.is_some_and(AnswerChange::is_of_contacts) || (limit.kind.is_some() && !limit.is_of_steps());
+        is_of_contacts.then_some(Subject::Contacts)
+    }
+
+    /// Pairs of which an engine said so.
+    fn of_answers(self, answers: &EngineAnswers) -> u64 {
+        match self {
+            Subject::Contacts => answers.with_contacts,
+            Subject::States => answers.answered.saturating_sub(answers.with_contacts),
+        }
+    }
+
+    /// Whether an engine says such things often enough for a limit on them to say anything.
+    fn is_enough(self, answers: &EngineAnswers) -> bool {
+        let of = self.of_answers(answers);
+        of > 0 && of >= answers.answered.div_ceil(10)
+    }
+}
+
+/// That engines gave nothing of something, of so many contacts or states.
+fn nothing_given(what: Unsaid, names: &str, of: u64) -> String {
+    let what = match what {
+        Unsaid::Entrances => {
+            return match of {
+                0 => format!("{names} named no contact, so no entrance and no sign of a gap"),
+                1 => format!(
+                    "{names} gave neither entrance nor sign of the gap for its contact: what is not given is not compared"
+                ),
+                contacts => format!(
+                    "{names} gave neither entrance nor sign of the gap for any of {contacts} contacts: what is not given is not compared"
+                ),
+            };
+        }
+        Unsaid::Gaps => AnswerChange::Gap.name(),
+        Unsaid::Normals => AnswerChange::Normal.name(),
+    };
+    match of {
+        0 => format!("{names} answered no state, so no {what}"),
+        1 => format!("{names} gave no {what} for its state: what is not given is not compared"),
+        states => format!("{names} gave no {what} for any of {states} states: what is not given is not compared"),
+    }
+}
+
+/// What a limit on this change is on; `None` where no answer can leave that unsaid.
+fn may_be_unsaid(change: AnswerChange) -> Option<Unsaid> {
     match change {
-        AnswerChange::Entrance | AnswerChange::GapSign => Some(detail.entrances),
-        AnswerChange::Gap => Some(detail.states().gaps),
-        AnswerChange::Normal => Some(detail.states().normals),
+        AnswerChange::Entrance | AnswerChange::GapSign => Some(Unsaid::Entrances),
+        AnswerChange::Gap => Some(Unsaid::Gaps),
+        AnswerChange::Normal => Some(Unsaid::Normals),
         _ => None,
     }
 }
 
 /// Whether a limit can be broken by what an external engine answers, of which `answers` are known. One on crashes, say, cannot: whatever the engine answers,
-/// it answers. Nor can one on missing contacts where the engine names none, or one on gaps where it gives none.
+/// it answers. Nor can one on missing contacts where the engine names none, or one on gaps where it gives too few.
 pub(crate) fn concerns(limit: &FindingLimit, engine: &EngineSpec, answers: &EngineAnswers) -> bool {
     let change = limit.change.as_deref().and_then(AnswerChange::from_name);
-    let of_contacts = limit.kind.is_some() || change.is_some_and(AnswerChange::is_of_contacts);
-    let of_states = change.is_some_and(AnswerChange::is_of_states);
     limit.engine.as_ref().is_none_or(|name| *name == engine.name)
         && limit.cause.as_ref().is_none_or(|cause| cause == Cause::Engine.name())
         && change.is_none_or(AnswerChange::is_of_answers)
-        && (!of_contacts || answers.with_contacts > 0)
-        && change.and_then(|change| given(change, answers.detail)).is_none_or(|times| times > 0)
-        && (!of_states || answers.with_contacts < answers.answered)
+        && Subject::of(limit).is_none_or(|subject| subject.is_enough(answers))
+        && change.and_then(may_be_unsaid).is_none_or(|what| answers.detail.is_given_enough(what))
         && !limit.is_of_recovered()
         && !limit.is_of_steps()
         && limit.family.as_deref() != Some(PASSAGE)

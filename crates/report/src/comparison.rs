@@ -1,6 +1,7 @@
 //! What changed between two runs of a campaign, as a report: shares of right answers, and sorts of findings.
 
 use super::Report;
+use super::detail_change::{DetailChange, details};
 use super::error::ReportError;
 use super::load::{CampaignRun, RunFile, agreeing_share, last_name};
 use super::pair_numbers::{self, PairNumbers};
@@ -8,7 +9,6 @@ use super::sections::{Section, SectionPart};
 use super::table::{Table, TableCell, grouped};
 use super::verdict::{Severity, VerdictLine};
 use rockproof_campaign::proportion::Proportion;
-use rockproof_differential::answer_detail::{AnswerDetail, DetailShift};
 use rockproof_gate::comparison::{ClassChange, Comparable, FindingComparison, Trend};
 use rockproof_gate::tally::CampaignTally;
 use rockproof_model::text::escaped;
@@ -39,19 +39,6 @@ pub struct ShareChange {
     pub before: [f64; 3],
     /// The same after.
     pub after: [f64; 3],
-}
-
-/// An external engine that says more or less: gives entrances for another share of its contacts, or gaps and normals for another share of its states.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct DetailChange {
-    /// The engine.
-    pub engine: String,
-    /// What it said before.
-    pub before: AnswerDetail,
-    /// The same after.
-    pub after: AnswerDetail,
-    /// Whether it says less.
-    pub less: bool,
 }
 
 /// What changed between two runs of a campaign.
@@ -97,7 +84,7 @@ impl RunComparison {
         let comparable = Comparable { same_pairs: shared.map(PairNumbers::into_ranges), engines: in_both, tolerance };
         let findings = FindingComparison::of(&tallies[0], &tallies[1], &comparable);
         let agreement = shares(runs);
-        let details = details(runs, same_pairs.is_some());
+        let details = details(runs, same_pairs.is_some())?;
         let names =
             if first.name == second.name { dirs.map(|dir| dir.display().to_string()) } else { dirs.map(last_name) };
         Ok(RunComparison { runs: names, pairs, same_pairs, settings, engines_left_out, findings, agreement, details })
@@ -149,16 +136,7 @@ impl RunComparison {
             ),
         };
         lines.push(line(if self.examined() == 0 { Severity::Bad } else { severity }, text));
-        for DetailChange { engine, before, after, .. } in &self.details {
-            lines.extend(after.shifts(*before, self.same_pairs.is_some()).into_iter().map(|shift| {
-                let DetailShift { what, before, after, less, .. } = shift;
-                let severity = if less { Severity::Bad } else { Severity::Fair };
-                let text = format!(
-                    "{engine} gave {what} for {before} before, for {after} after: what is not given is not compared."
-                );
-                line(severity, text)
-            }));
-        }
+        lines.extend(self.details.iter().flat_map(DetailChange::verdict));
         if let Some(text) = self.left_out() {
             lines.push(line(Severity::Fair, text));
         }
@@ -337,21 +315,6 @@ fn differences(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<S
         after: after.get(name).cloned(),
     };
     names.into_iter().filter(|name| before.get(*name) != after.get(*name)).map(change).collect()
-}
-
-/// External engines of both runs that give entrances for another share of their contacts, or gaps or normals for another share of their states; of
-/// other pairs a share may be another by chance.
-fn details([first, second]: [&CampaignRun; 2], same_pairs: bool) -> Vec<DetailChange> {
-    let both =
-        first.run.external_engines.iter().filter_map(|(engine, before)| {
-            Some((engine, before.detail, second.run.external_engines.get(engine)?.detail))
-        });
-    let change = |(engine, before, after): (&String, AnswerDetail, AnswerDetail)| {
-        let less = after.says_less_than(before, same_pairs);
-        let differs = less || before.says_less_than(after, same_pairs);
-        differs.then(|| DetailChange { engine: engine.clone(), before, after, less })
-    };
-    both.filter_map(change).collect()
 }
 
 /// What users of each engine see, under each setting that both runs have.

@@ -6,6 +6,7 @@
 
 pub mod chart;
 pub mod comparison;
+pub mod detail_change;
 pub mod error;
 pub mod external_findings;
 pub mod glossary;

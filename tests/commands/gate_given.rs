@@ -1,0 +1,165 @@
+//! How much an external engine must give before a limit on it says anything, and what is said where it is not known how much it gave before.
+#![cfg(unix)]
+
+use crate::engines::{client, cpp_client};
+use crate::gates::{Ran, around, gate};
+use crate::place::rockproof_in;
+use std::fs;
+use std::path::Path;
+
+const LIMIT: &str = "[[limit]]\nengine = \"mine\"\nchange = \"gap\"\ncount = 0\n";
+const STATE: &str = "[[limit]]\nengine = \"mine\"\nchange = \"state\"\ncount = 9999\n";
+const BASELINE: &str = "[baseline]\nfile = \"known.toml\"\n";
+
+/// The C++ client, which says how blocks lie, with an edit of what it says; `None` without a compiler.
+fn edited(edit: &str) -> Option<String> {
+    Some(format!("'{}' | sed -u '{edit}'", cpp_client()?))
+}
+
+/// A gate around an engine, on few pairs and one thread.
+fn ran(dir: &Path, engine: &str, rest: &str, more: &[&str]) -> Ran {
+    let text = around(&["sh", "-c", engine], rest).replace("pairs = 256", "pairs = 64");
+    gate(dir, &text, &[&["--threads", "1"], more].concat(), false)
+}
+
+fn row<'r>(ran: &'r Ran, name: &str) -> &'r str {
+    ran.out.lines().find(|line| line.contains(name)).unwrap_or_else(|| panic!("{name}: {}{}", ran.out, ran.err))
+}
+
+/// Gaps of few states show nothing: the limit is no pass, and says of how many they were.
+#[test]
+fn a_limit_on_gaps_of_few_states_is_no_pass() {
+    // No gap but of one answer in ten.
+    let Some(few) = edited(r#"0~10!s/"gap_m":[^,]*,//"#) else { return };
+    let dir = tempfile::tempdir().expect("a directory");
+    let limited = ran(dir.path(), &few, &format!("{LIMIT}{STATE}"), &[]);
+    let found = row(&limited, "engine mine, change gap");
+    assert!(limited.code == 0 && found.starts_with(" skip") && found.contains("mine: gaps given for "), "{found}");
+    assert!(found.contains("a limit needs half of those apart, or overlapping, and a tenth of all"), "{found}");
+    // Alone it says nothing of what the engine answers.
+    let alone = ran(dir.path(), &few, LIMIT, &[]);
+    let answers = row(&alone, "engine mine answers");
+    assert!(
+        alone.code == 1 && answers.contains("FAIL") && answers.contains("whatever it answers would pass"),
+        "{answers}"
+    );
+    // All overlaps and no distance: a pass, which says of how many, in the report for machines too.
+    let whole = edited("").expect("built before");
+    let passed = ran(dir.path(), &whole, &format!("{LIMIT}{STATE}"), &[]);
+    let found = row(&passed, "engine mine, change gap");
+    assert!(
+        passed.code == 0 && found.starts_with(" pass") && found.contains("0 findings, at most 0; gaps given for "),
+        "{found}"
+    );
+    let junit = fs::read_to_string(dir.path().join("junit.xml")).expect("JUnit");
+    assert!(junit.contains("<system-out>0 findings, at most 0; gaps given for "), "{junit}");
+    // Of one family the counts are not known.
+    let narrowed = ran(dir.path(), &whole, &LIMIT.replace("count", "family = \"edge_cross\"\ncount"), &[]);
+    assert!(row(&narrowed, "family edge_cross").contains(" states, of all pairs"), "{}", narrowed.out);
+    // A finding fails whatever is left unsaid.
+    let wrong = edited(r#"0~10!s/"gap_m":[^,]*,//; s/"gap_m":[^,]*/"gap_m":7/"#).expect("built before");
+    let failed = ran(dir.path(), &wrong, LIMIT, &[]);
+    assert!(failed.code == 1 && row(&failed, "engine mine, change gap").starts_with(" FAIL"), "{}", failed.out);
+}
+
+/// An engine that says only how blocks lie where it named contacts is compared less; and a limit on what an engine seldom says is no pass.
+#[test]
+fn states_in_place_of_contacts_are_no_pass() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let contacts = format!("'{}'", client());
+    let written = ran(dir.path(), &contacts, BASELINE, &["--update-baseline"]);
+    assert_eq!(written.code, 0, "{}{}", written.out, written.err);
+    // The states are right, so that no finding is new.
+    let Some(states) = cpp_client() else { return };
+    let missing = "[[limit]]\nengine = \"mine\"\nchange = \"missing\"\ncount = 9999\n";
+    let some = format!("'{contacts}' | sed -u 's/\"contacts\":\\[{{.*}},{{.*\\]/\"state\":\"overlapping\"/'")
+        .replace("''", "'");
+    let fewer = ran(dir.path(), &some, &format!("{BASELINE}{missing}"), &[]);
+    let found = row(&fewer, "fixed: engine mine says less of its contacts");
+    assert!(fewer.code == 1 && found.contains("FAIL"), "{found}");
+    for (engine, limit, wanted) in [
+        (&format!("'{states}'"), missing, "mine named contacts for 0 of "),
+        (&contacts, STATE, "mine said how blocks lie for 0 of "),
+    ] {
+        let skipped = ran(dir.path(), engine, limit, &[]);
+        let found = row(&skipped, "fixed: engine mine, change");
+        assert!(skipped.code == 1 && found.starts_with(" skip") && found.contains(wanted), "{found}");
+        assert!(found.contains(" pairs, and a limit on that needs a tenth"), "{found}");
+    }
+}
+
+/// A baseline of before this was counted tells nothing of an engine that is silent now, and that is said.
+#[test]
+fn an_old_baseline_says_that_it_does_not_know_how_much_was_given() {
+    let Some(whole) = edited("") else { return };
+    let dir = tempfile::tempdir().expect("a directory");
+    let silent = edited(r#"s/,"gap_m".*/}/"#).expect("built before");
+    let written = ran(dir.path(), &whole, BASELINE, &["--update-baseline"]);
+    assert_eq!(written.code, 0, "{}{}", written.out, written.err);
+    let file = dir.path().join("known.toml");
+    let text = fs::read_to_string(&file).expect("a baseline");
+    let said = text.lines().find(|line| line.starts_with("\"mine\" = { contacts = 0")).expect("what it said");
+    let contacts_alone = text.replace(said, "\"mine\" = { contacts = 0, entrances = 0, gap_m = 0 }");
+    let nothing = text.replace(&format!("\n[said]\n{said}\n"), "");
+    for old in [contacts_alone, nothing] {
+        assert_ne!(old, text);
+        fs::write(&file, old).expect("write");
+        let now = ran(dir.path(), &silent, BASELINE, &[]);
+        let found = row(&now, "fixed: engine mine says no less");
+        assert!(
+            now.code == 0 && found.starts_with(" skip") && found.contains("gaps and normals given for 0 of "),
+            "{found}"
+        );
+        assert!(
+            found.contains("whether it says less than it did is not known: --update-baseline adds that"),
+            "{found}"
+        );
+    }
+    fs::write(&file, &text).expect("write");
+    let now = ran(dir.path(), &whole, BASELINE, &[]);
+    assert!(now.code == 0 && !now.out.contains("says no less"), "{}", now.out);
+}
+
+/// A run of an earlier version does not tell how much an engine said: nothing is told to be less or more, in whichever order the runs are given.
+#[test]
+fn compare_says_what_an_older_run_does_not_tell() {
+    let Some(whole) = edited("") else { return };
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let campaign = |out: &str, engine: &str| {
+        let command = toml::Value::from(engine).to_string();
+        let text = format!(
+            "pairs = 64\nengines = []\nfamilies = [\"edge_cross\"]\ntolerances = [\"auto\"]\nsteps_every = 0\n\
+             [[external]]\nname = \"mine\"\ncommand = [\"sh\", \"-c\", {command}]\n"
+        );
+        fs::write(dir.join("settings.toml"), text).expect("write");
+        let (code, said, err) = rockproof_in(dir, &["campaign", "settings.toml", "--out", out]);
+        assert_eq!(code, 0, "{said}{err}");
+    };
+    campaign("new", &whole);
+    campaign("silent", &edited(r#"s/,"gap_m".*/}/"#).expect("built before"));
+    campaign("old", &whole);
+    let file = dir.join("old/run.json");
+    let run: serde_json::Value = serde_json::from_str(&fs::read_to_string(&file).expect("run.json")).expect("JSON");
+    for kept in [&["contacts", "entrances", "gap_m"][..], &[]] {
+        let mut run = run.clone();
+        let counts = run["external_engines"]["mine"].as_object_mut().expect("counts");
+        let detail = counts["detail"].as_object_mut().expect("what it said");
+        detail.retain(|name, _| kept.contains(&name.as_str()));
+        if kept.is_empty() {
+            counts.remove("detail");
+        }
+        fs::write(&file, run.to_string()).expect("write");
+        for runs in [["new", "old"], ["old", "new"], ["old", "silent"], ["silent", "old"]] {
+            let (code, said, err) = rockproof_in(dir, &["compare", runs[0], runs[1], "--deny", "new,more,other"]);
+            let told = said
+                .lines()
+                .find(|line| line.starts_with("Whether mine says less in its answers than before is not known"));
+            assert!(code == 0 && told.is_some() && !said.contains("0 of 0"), "{runs:?}: {said}{err}");
+        }
+    }
+    let (code, said, _) = rockproof_in(dir, &["compare", "new", "silent", "--deny", "new"]);
+    assert!(code == 1 && said.contains("for 0 of ") && !said.contains("not known"), "{said}");
+    let (code, said, _) = rockproof_in(dir, &["compare", "old", "old", "--deny", "new"]);
+    assert!(code == 0 && !said.contains("not known"), "{said}");
+}
