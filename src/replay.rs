@@ -8,10 +8,12 @@ use crate::replay_changed::{RoundedQuestion, changed_answers};
 use crate::replay_step;
 use crate::table::table;
 use rockproof_campaign::engines::Engines;
+use rockproof_differential::answer_detail::left_unsaid;
 use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::builtin::BuiltinOracle;
 use rockproof_differential::case_file::{Case, contact_rows};
 use rockproof_differential::collision::separation::Separation;
+use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, catch_panic};
 use rockproof_differential::explain::{DivergentDecision, divergent_decisions};
 use rockproof_differential::external::protocol::completed;
@@ -115,6 +117,8 @@ enum Recurrence {
     Recurs(Vec<String>),
     /// What the pair shows in its place, about the same engine or the same rounding, each once.
     Gone(Vec<String>),
+    /// What the engine says nothing of now, in words, though the finding is about it: nobody knows whether it recurs.
+    Unsaid(String),
 }
 
 /// So many characters of a case's note are told.
@@ -147,7 +151,10 @@ impl Recurrence {
                 others.push(other);
             }
         }
-        Recurrence::Gone(others)
+        match unsaid(case, engines).filter(|_| others.is_empty()) {
+            Some(unsaid) => Recurrence::Unsaid(format!("{} gives {unsaid} now", case.about.engine)),
+            None => Recurrence::Gone(others),
+        }
     }
 
     fn recurs(&self) -> bool {
@@ -162,6 +169,9 @@ impl fmt::Display for Recurrence {
                 f.write_str("the finding recurs")?;
                 said.iter().take(TOLD).try_for_each(|note| write!(f, "\n  {}", excerpt(note, NOTE_LENGTH)))
             }
+            Recurrence::Unsaid(what) => {
+                write!(f, "whether the finding recurs is not known: {what}, and what is not given is not compared")
+            }
             Recurrence::Gone(others) if others.is_empty() => {
                 f.write_str("the finding does not recur: nothing differs there now")
             }
@@ -172,6 +182,16 @@ impl fmt::Display for Recurrence {
             }
         }
     }
+}
+
+/// What an external engine leaves unsaid now of what the case is about.
+fn unsaid(case: &Case, engines: &Engines) -> Option<&'static str> {
+    let engine = engines.find(&case.about.engine).filter(|_| case.about.cause == Cause::Engine.name())?;
+    let change = AnswerChange::from_name(&case.about.change)?;
+    let precision = engine.precision();
+    let [a, b] = [case.a.rounded(precision)?, case.b.rounded(precision)?];
+    let tolerances = case.tolerances.rounded(precision).ok()?;
+    left_unsaid(change, &case.about.kind, &catch_panic(|| engine.prepare(&a, &b)?.answer(&tolerances)).ok()?)
 }
 
 /// The precision of the engine the case is about.
@@ -283,12 +303,16 @@ fn document(
         json!({ "between": parting.title, "decisions": decisions.collect::<Vec<_>>() })
     };
     let shown_instead: &[String] = match recurrence {
-        Recurrence::Recurs(_) => &[],
+        Recurrence::Recurs(_) | Recurrence::Unsaid(_) => &[],
         Recurrence::Gone(others) => others,
     };
     let said_again: &[String] = match recurrence {
         Recurrence::Recurs(said) => said,
-        Recurrence::Gone(_) => &[],
+        Recurrence::Gone(_) | Recurrence::Unsaid(_) => &[],
+    };
+    let not_known = match recurrence {
+        Recurrence::Unsaid(what) => Some(what),
+        Recurrence::Recurs(_) | Recurrence::Gone(_) => None,
     };
     json!({
         "finding": {
@@ -297,6 +321,7 @@ fn document(
             "note": about.note,
         },
         "recurs": recurrence.recurs(),
+        "not_known": not_known,
         "said_again": said_again,
         "shown_instead": shown_instead,
         "exact_answer_as_recorded": is_expected,

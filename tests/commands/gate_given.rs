@@ -163,3 +163,37 @@ fn compare_says_what_an_older_run_does_not_tell() {
     let (code, said, _) = rockproof_in(dir, &["compare", "old", "old", "--deny", "new"]);
     assert!(code == 0 && !said.contains("not known"), "{said}");
 }
+
+/// A case about a gap, replayed or in a corpus, is not held to be mended by an engine that gives none.
+#[test]
+fn a_case_about_a_gap_is_not_mended_by_silence() {
+    let Some(wrong) = edited(r#"s/"gap_m":[^,]*/"gap_m":7/"#) else { return };
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let failed = ran(dir, &wrong, LIMIT, &[]);
+    assert_eq!(failed.code, 1, "{}{}", failed.out, failed.err);
+    let cases = dir.join("reports/gate/fixed/cases");
+    let case = fs::read_dir(cases).expect("cases").next().expect("a case").expect("a file").path();
+    fs::create_dir(dir.join("corpus")).expect("a folder");
+    fs::copy(&case, dir.join("corpus/gap.toml")).expect("copied");
+    let judged = |edit: &str| {
+        let engine = edited(edit).expect("built before");
+        let command = format!("mine=sh -c \"{}\"", engine.replace('\\', "\\\\").replace('"', "\\\""));
+        let replayed = rockproof_in(dir, &["replay", "corpus/gap.toml", "--engine-command", &command]);
+        let text = around(&["sh", "-c", &engine], STATE).replace("pairs = 256", "pairs = 32");
+        (replayed, gate(dir, &text.replace("corpus = []", "corpus = [\"corpus\"]"), &["--out", "again"], false))
+    };
+    let ((code, said, err), gated) = judged(r#"s/"gap_m":[^,]*/"gap_m":7/"#);
+    assert!(code == 0 && said.contains("the finding recurs") && gated.code == 0, "{said}{err}{}", gated.out);
+    let ((code, said, err), gated) = judged("");
+    assert!(code == 1 && said.contains("the finding does not recur: nothing differs there now"), "{said}{err}");
+    assert_eq!(gated.code, 0, "{}{}", gated.out, gated.err);
+    let ((code, said, err), gated) = judged(r#"s/"gap_m":[^,]*,//"#);
+    let told = "whether the finding recurs is not known: mine gives no gap now, and what is not given is not compared";
+    assert!(code == 1 && said.contains(told) && !said.contains("does not recur"), "{said}{err}");
+    let found = row(&gated, "corpus/gap.toml");
+    assert!(
+        gated.code == 1 && found.starts_with(" FAIL") && found.contains("mine gives no gap, which the case is about"),
+        "{found}"
+    );
+}

@@ -3,7 +3,11 @@
 #[cfg(test)]
 mod tests;
 
+use super::compare::AnswerChange;
+use super::engine::Answer;
+use super::external::protocol::UNNAMED;
 use super::separation_state::{ReportedState, SeparationState};
+use rockproof_model::Contact;
 use rockproof_model::text::noun;
 use serde::{Deserialize, Serialize};
 
@@ -60,6 +64,25 @@ pub enum Unsaid {
     Gaps,
     /// The normal of a state.
     Normals,
+}
+
+/// What an answer leaves unsaid of what a finding with this change of such contacts is about, in words: then it does not differ, and nobody knows whether
+/// it would. `kinds` are those of the contact before and after the change, in one text; empty where they are not known.
+pub fn left_unsaid(change: AnswerChange, kinds: &str, answer: &Answer) -> Option<&'static str> {
+    let is_meant = |contact: &&Contact| kinds.is_empty() || kinds.contains(contact.kind().name());
+    match answer {
+        Answer::State(_) if change.is_of_contacts() => Some("no contacts"),
+        Answer::State(said) if change == AnswerChange::Gap => said.gap_m.is_none().then_some("no gap"),
+        Answer::State(said) if change == AnswerChange::Normal => said.normal.is_none().then_some("no normal"),
+        Answer::State(_) => None,
+        Answer::Contacts(_) if change.is_of_states() => Some("no state"),
+        Answer::Contacts(said) if matches!(change, AnswerChange::Entrance | AnswerChange::GapSign) => said
+            .iter()
+            .filter(is_meant)
+            .any(|contact| contact.entrance == UNNAMED)
+            .then_some("not each contact an entrance"),
+        Answer::Contacts(_) => None,
+    }
 }
 
 /// Of which pairs two counts are.

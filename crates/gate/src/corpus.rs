@@ -2,12 +2,16 @@
 
 use super::{Check, CheckStatus};
 use rockproof_campaign::engines::Engines;
+use rockproof_differential::answer_detail::left_unsaid;
 use rockproof_differential::case_file::{Case, CaseError, contact_rows};
-use rockproof_differential::engine::{Shortage, catch_panic};
+use rockproof_differential::collision::CollisionQuery;
+use rockproof_differential::compare::AnswerChange;
+use rockproof_differential::engine::{Answer, Shortage, catch_panic};
 use rockproof_differential::external::protocol::completed;
 use rockproof_differential::external::spec::replay_command;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::{ReplayError, ReplayedStep, StepCase, StepCause};
+use rockproof_differential::separation_state::ReportedState;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use std::collections::BTreeSet;
 use std::io;
@@ -154,8 +158,21 @@ fn judge(case: &Case, engines: &Engines) -> (CheckStatus, String) {
         "representation" => exact(&a, &b, &t),
         _ => {
             let Some(engine) = panel.engines.first() else { return (CheckStatus::Skip, "no engine".to_owned()) };
-            match catch_panic(|| engine.prepare(&a, &b)?.classify(&t)) {
-                Ok(contacts) => completed(contacts, &right),
+            let change = AnswerChange::from_name(&about.change);
+            let answer = catch_panic(|| engine.prepare(&a, &b)?.answer(&t));
+            let unsaid = answer.as_ref().ok().and_then(|answer| left_unsaid(change?, &about.kind, answer));
+            if let Some(unsaid) = unsaid {
+                let engine = &about.engine;
+                let message =
+                    format!("{engine} gives {unsaid}, which the case is about: what is not given is not compared");
+                return (CheckStatus::Fail, message);
+            }
+            match answer {
+                Ok(Answer::Contacts(contacts)) => completed(contacts, &right),
+                Ok(Answer::State(said)) => {
+                    let query = CollisionQuery { blocks: &[a, b], precision, accuracy: engine.accuracy() };
+                    return judge_state(&query, said, &about.change);
+                }
                 Err(failure) if failure.change().name() == about.change => {
                     return (CheckStatus::Pass, "as recorded".to_owned());
                 }
@@ -172,6 +189,19 @@ fn judge(case: &Case, engines: &Engines) -> (CheckStatus, String) {
         (CheckStatus::Pass, "as recorded".to_owned())
     } else {
         (CheckStatus::Fail, format!("{} says neither what is right nor what the case records", about.engine))
+    }
+}
+
+/// The same of an engine that says only how the blocks lie, of a case with this change.
+fn judge_state(query: &CollisionQuery<'_>, said: ReportedState, change: &str) -> (CheckStatus, String) {
+    match query.compare(said) {
+        None => (CheckStatus::Skip, "a block is concave, so nothing exact stands against the answer".to_owned()),
+        Some((None, _)) if AnswerChange::from_name(change).is_some_and(AnswerChange::is_of_states) => {
+            (CheckStatus::Pass, "the engine agrees".to_owned())
+        }
+        Some((None, _)) => (CheckStatus::Skip, format!("of the change \"{change}\" nothing is known here")),
+        Some((Some(wrong), _)) if wrong.name() == change => (CheckStatus::Pass, "as recorded".to_owned()),
+        Some((Some(wrong), compared)) => (CheckStatus::Fail, format!("{wrong}: {compared}")),
     }
 }
 
