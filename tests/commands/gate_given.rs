@@ -117,7 +117,11 @@ fn an_old_baseline_says_that_it_does_not_know_how_much_was_given() {
     }
     fs::write(&file, &text).expect("write");
     let now = ran(dir.path(), &whole, BASELINE, &[]);
-    assert!(now.code == 0 && !now.out.contains("says no less"), "{}", now.out);
+    assert!(now.code == 0 && !now.out.contains("says no less") && !now.out.contains("settings of"), "{}", now.out);
+    // With a larger accuracy fewer gaps are wrong.
+    let now = ran(dir.path(), &whole, &format!("accuracy = 281474976710656\n{BASELINE}"), &[]);
+    let told = "external is [\"mine (accuracy 281474976710656)\"], in the baseline [\"mine\"]";
+    assert!(row(&now, "fixed: settings of the baseline").contains(told), "{}", now.out);
 }
 
 /// A run of an earlier version does not tell how much an engine said: nothing is told to be less or more, in whichever order the runs are given.
