@@ -27,7 +27,10 @@ fn what(message: &str, key: Option<&str>) -> String {
         let key = key.map_or(String::new(), |key| format!("{} is ", excerpt(key, EXCERPT_LENGTH)));
         return format!("{key}{}; allowed is {}", excerpt(&found, EXCERPT_LENGTH), allowed_words(expected));
     }
-    message.to_owned()
+    match key {
+        Some(key) => format!("{}: {message}", excerpt(key, EXCERPT_LENGTH)),
+        None => message.to_owned(),
+    }
 }
 
 /// A value as it stands in the file.
@@ -92,6 +95,7 @@ mod tests {
             ("count = nan", "count is nan; allowed is a whole number from 0"),
             ("count = -1", "count is -1; allowed is a whole number from 0"),
             ("count = \"no\"", "count is \"no\"; allowed is a whole number from 0"),
+            ("rate = 1e400", "rate: floating-point number overflowed"),
             ("rate = true", "rate is true; allowed is a number"),
             ("cause = 3", "cause is 3; allowed is a text in quotes"),
             ("cause = [\"defect\"]", "cause is a list; allowed is a text in quotes"),
