@@ -38,7 +38,7 @@ use std::time::{Duration, Instant};
   rockproof tune slope.toml --candidates 200 --resume
   mpirun -n 8 rockproof tune slope.toml --candidates 200 --mpi --threads 1
 
-Exit status: 0 done, 1 no set kept every rule without a difference and every block from sinking deeper than `penetration` or overlapping unseen by contacts, in steps after no more than 5 of settling, 2 usage or input error, 130 interrupted (go on with --resume).")]
+Exit status: 0 done, 1 no set kept every rule without a difference and every block from sinking deeper than `penetration` or overlapping unseen by contacts in all its steps, after no more than 5 of settling, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Tune {
     #[arg(help = model_help(), value_hint = clap::ValueHint::FilePath)]
     file: InputFile,
@@ -197,7 +197,7 @@ impl Tune {
         };
         record.write("tune.md", text.as_bytes())?;
         record.write("tune.tex", sides_in_latex(&search).as_bytes())?;
-        record.write("tolerances.toml", tolerances_file(best).as_bytes())?;
+        record.write("tolerances.toml", tolerances_file(best, evaluator).as_bytes())?;
         let count = search.tried().len();
         let tried = counted(count as u64, "candidate", "candidates");
         let files = "tolerances.toml, tune.md, tune.tex, candidates.csv, tune.json";

@@ -463,6 +463,66 @@ fn bad_input_exits_with_2() {
         let all: Vec<&str> = ["tune"].iter().chain(args).chain(&["--out", out.as_str()]).copied().collect();
         let (code, _, err) = rockproof(&all);
         assert!(code == 2 && err.contains(word), "{args:?}: {code} {err}");
+/// Blocks may move by no more than 10⁻¹³ m in a step, so none can be made. There is nothing in them that could overlap, and fewer moved pairs differ.
+#[test]
+fn a_set_whose_steps_stop_is_not_recommended_and_never_called_safe() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let scene = format!("{}/cases/handmade/arch_stands.toml", env!("CARGO_MANIFEST_DIR"));
+    let tuned = |name: &str, more: &[&str]| {
+        let out = path(dir.path(), name);
+        let (code, printed, err) = rockproof(&[&["tune", &scene, "--steps", "7", "--out", &out], more].concat());
+        assert_eq!(code, 1, "{err}");
+        let set = fs::read_to_string(Path::new(&out).join("tolerances.toml")).expect("a set");
+        (printed, set, rows(&out))
+    };
+    let small = ["--set", "max_displacement=1e-13", "--candidates"];
+    let (printed, set, all) = tuned("small", &[&small[..], &["4"]].concat());
+    for stopped in &all[..3] {
+        // The block that has most contacts, by its number in the scene: it is the first of the part.
+        assert!(stopped["stopped"].contains(": block 2 exceeds the limit of displacement"), "{stopped:?}");
+        assert!(["0", ""].contains(&&*stopped["lock_steps"]), "neither side makes a step: {stopped:?}");
+    }
+    assert!(number(&all[2], "moved_differ") < number(&all[3], "moved_differ"), "{all:?}");
+    assert_eq!((&*best(&all)["candidate"], &*all[3]["stopped"]), ("3", ""), "{printed}");
+    assert!(printed.contains(", but its steps stop.\n") && set.starts_with("[tolerances]\n"), "{printed} {set}");
+    let why = "settling step -4 (the last is 0): block 2 exceeds the limit of displacement at the smallest time step, 0.0000084375 s";
+    let told = format!("The author's set:\n\n- stops after 0 of 12, settling included: {why}\n");
+    assert!(printed.contains(&told), "{printed}");
+    for told in [
+        "; the oracle made the same steps exactly for 1 candidate that might be the best\n- the steps of 3 candidates stopped before the last of these;",
+        "| steps made | 0 (stopped) | 7 |",
+        "| blocks sink by at most | – | ",
+        "| steps that differ from the oracle's | – | 12 of 12 |",
+        "`stopped`: a step could not be made",
+    ] {
+        assert!(printed.contains(told), "{told}: {printed}");
+    }
+    // Where no set is better that is told first.
+    let (printed, set, _) = tuned("alone", &[&small[..], &["1"]].concat());
+    let reason = "the steps stopped after 0 of 12, settling included.";
+    let first = format!("\n\n**The model is not safe under this set: {reason}** So it is under every set tried.\n");
+    assert!(
+        printed.contains(&first) && set.starts_with(&format!("# Not safe: {reason}\n[tolerances]\n")),
+        "{printed} {set}"
+    );
+    assert!(printed.contains(&format!("\nThe steps stopped after 0 of 12, settling included: {why}. The steps stop under every set tried.\nSo it is not known what blocks do under this set.\nThe oracle cannot make the first step either.\n")), "{printed}");
+    for untrue in ["equal the oracle's", "no block sinks", "0.000e0 m", "No candidate", "no candidate that"] {
+        assert!(!printed.contains(untrue), "{untrue}: {printed}");
+    }
+    // Steps that stop later, and only those of the stepper.
+    let later = ["--set", "overlap_sine=0.004363309284746571", "--set", "parallel_sine=0", "--candidates", "1"];
+    let (printed, _, _) = tuned("later", &later);
+    for told in [
+        "safe under this set: the steps stopped after 9 of 12, settling included.** So",
+        "The steps stopped after 9 of 12, settling included: step 5: the system of block 12 cannot be solved: a pivot is not positive. The",
+        "\nUntil then blocks sink by at most 1.7",
+        "\n9 of 10 steps, 5 of the 40 settling steps of the scene included, differ from the oracle's",
+        "; one side could not make 1. The oracle makes the step at which the stepper stops.\n",
+    ] {
+        assert!(printed.contains(told), "{told}: {printed}");
+    }
+}
+
     }
     assert!(!PathBuf::from(&out).exists(), "nothing is written for bad input");
 }

@@ -37,6 +37,8 @@ pub struct Measurement {
 pub(super) struct Merit {
     /// Whether pairs of the model as given are lost.
     loses_pairs: bool,
+    /// Where steps stop, how many were made, in powers of two: the more the better. After the last step anything may come, and nothing was measured.
+    pub(super) stopped: Option<Reverse<u32>>,
     /// The deepest overlap that no contact sees after a step, in powers of two; 0 where there is none.
     pub(super) unseen: u64,
     /// Rules broken.
@@ -47,7 +49,7 @@ pub(super) struct Merit {
     standing: u64,
     /// Pairs moved that differ, in steps of twice the root, which is what chance makes of such a count.
     moved: u64,
-    /// Steps that could not be made, one more where the scene stops at a step that does not converge.
+    /// Steps that one side could not make, one more where the scene stops at a step that does not converge.
     failed: u64,
     /// The share of contacts that differ in steps from the oracle's, in themselves or in their mode, in sixteenths. A share and no count, since a
     /// set under which fewer contacts are found has fewer that can differ.
@@ -66,7 +68,15 @@ impl Merit {
     /// Whether it is as good as another in all that is cheap and comes before how far blocks sink.
     pub(super) fn is_no_worse_before_sinking(&self, other: &Merit) -> bool {
         let key = |m: &Merit| {
-            (m.loses_pairs, m.unseen, m.violated, m.is_deep, [m.standing, m.moved], [m.failed, m.share, m.unconverged])
+            (
+                m.loses_pairs,
+                m.stopped,
+                m.unseen,
+                m.violated,
+                m.is_deep,
+                [m.standing, m.moved],
+                [m.failed, m.share, m.unconverged],
+            )
         };
         key(self) <= key(other)
     }
@@ -82,13 +92,14 @@ impl Measurement {
         let d = &self.differences;
         Merit {
             loses_pairs: self.lost_pairs > 0,
+            stopped: made.stopped.is_some().then(|| Reverse(u64::BITS - made.made().leading_zeros())),
             // Sign and exponent, behind 0 for none.
             unseen: u64::from(made.unseen.steps > 0) + (made.unseen.deepest.to_bits() >> 52),
             violated: self.violated.len(),
             is_deep: made.deep > 0,
             standing: d.standing[1],
             moved: (4 * (d.moved[1] + d.near[1])).isqrt(),
-            failed: failed + u64::from(made.stopped.is_some() || made.refused > 0),
+            failed: failed + u64::from(made.refused > 0),
             share: coarse(self.lockstep.as_ref().map_or(0.0, LockstepMeasures::share)),
             unconverged: made.unconverged,
             sunk: coarse(made.overlaps.sunk),
@@ -97,14 +108,16 @@ impl Measurement {
         }
     }
 
-    /// Whether blocks pass through one another: pairs of the model are lost as given, or overlap unseen after a step.
-    pub(super) fn passing(&self) -> [bool; 2] {
-        [self.lost_pairs > 0, self.steps_measured.unseen.steps > 0]
+    /// Whether blocks pass through one another, or may: pairs of the model are lost as given, the steps stop, or pairs overlap unseen after a step.
+    pub(super) fn passing(&self) -> [bool; 3] {
+        let made = &self.steps_measured;
+        [self.lost_pairs > 0, made.stopped.is_some(), made.unseen.steps > 0]
     }
 
-    /// Whether blocks pass through one another, or sink so deep that they may: the model is not safe under the set, whatever else is right.
+    /// Whether blocks pass through one another, sink so deep that they may, or cannot be stepped to the end: the model is not safe under the set, whatever else is
+    /// right.
     pub fn is_unsafe(&self) -> bool {
-        self.passing() != [false; 2] || self.steps_measured.deep > 0
+        self.passing() != [false; 3] || self.steps_measured.deep > 0
     }
 
     /// The same without what the oracle says of steps.
@@ -118,12 +131,13 @@ impl Measurement {
     }
 
     /// Whether nothing is wrong with the set: every rule kept, no pair of the model lost, no pair that differs but for those on a boundary, no step that
-    /// differs, none after which a pair overlaps unseen or blocks have sunk deeper than `penetration`, and none that does not converge where the scene stops at it.
+    /// differs, none after which a pair overlaps unseen or blocks have sunk deeper than `penetration`, none that cannot be made, and none that does not converge where
+    /// the scene stops at it.
     pub fn is_clean(&self) -> bool {
         let steps = self.lockstep.as_ref().is_some_and(|lockstep| lockstep.failed + lockstep.differ == 0);
         let made = &self.steps_measured;
         let holds = self.violated.is_empty() && !self.is_unsafe();
-        holds && self.differences.avoidable() == 0 && made.stopped.is_none() && made.refused == 0 && steps
+        holds && self.differences.avoidable() == 0 && made.refused == 0 && steps
     }
 }
 
@@ -267,12 +281,13 @@ impl Evaluator {
             .compare(set, &*self.engine)
             .map_err(|name| TuneError::Overflow { what: format!("tolerance `{name}`"), precision: self.precision })?;
         let (part, unconverged) = (self.part(&scene), scene.simulation.control.unconverged);
+        let part = (&part, &*self.cluster.members);
         let steps_measured = match self.precision {
             Precision::F32 => {
-                measure_steps::<f32>(&part, (set, self.precision), &self.initial, self.steps, unconverged)?
+                measure_steps::<f32>(part, (set, self.precision), &self.initial, self.steps, unconverged)?
             }
             Precision::F64 => {
-                measure_steps::<f64>(&part, (set, self.precision), &self.initial, self.steps, unconverged)?
+                measure_steps::<f64>(part, (set, self.precision), &self.initial, self.steps, unconverged)?
             }
         };
         let lost_pairs = self.given.lost(set);
@@ -328,12 +343,19 @@ mod tests {
         Measurement { steps_measured: StepMeasures { unseen, ..StepMeasures::default() }, ..flawless() }
     }
 
+    /// Steps that stop after so many, of which so many leave a pair that overlaps unseen.
+    fn with_stop(steps: u64, unseen: u64) -> Measurement {
+        let unseen = UnseenOverlaps { steps: unseen, most_pairs: unseen, deepest: unseen as f64 };
+        let stopped = Some("step 3: a number of block 1 is not finite".to_owned());
+        Measurement { steps_measured: StepMeasures { stopped, steps, unseen, ..StepMeasures::default() }, ..flawless() }
+    }
+
     fn with_deep() -> Measurement {
         Measurement { steps_measured: StepMeasures { deep: 1, ..StepMeasures::default() }, ..flawless() }
     }
 
     /// In this order, best first: nothing wrong; all wrong that is no matter of safety; sunk deep; a rule broken; unseen overlaps, of which only a depth
-    /// of another power of two makes a difference; pairs lost as given.
+    /// of another power of two makes a difference; steps that stop, the earlier the worse, of which only another power of two makes a difference; pairs lost as given.
     #[test]
     fn a_model_that_holds_together_comes_before_pairs_and_rules() {
         let differing = Measurement {
@@ -347,7 +369,22 @@ mod tests {
         };
         let breaking = Measurement { violated: vec![Rule::Search; 3], ..flawless() };
         let lost = Measurement { lost_pairs: 1, ..flawless() };
-        let order = [flawless(), differing, with_deep(), breaking, with_unseen(1e-3), with_unseen(1e-2), lost];
+        let stops = [with_stop(15, 0), with_stop(8, 1), with_stop(7, 0), with_stop(1, 1), with_stop(0, 0)];
+        let [late, later_unseen, earlier, first, at_once] = stops;
+        let order = [
+            flawless(),
+            differing,
+            with_deep(),
+            breaking,
+            with_unseen(1e-3),
+            with_unseen(1e-2),
+            late,
+            later_unseen,
+            earlier,
+            first,
+            at_once,
+            lost,
+        ];
         for [better, worse] in order.windows(2).filter_map(|pair| pair.first_chunk()) {
             assert!(better.is_better_than(worse) && !worse.is_better_than(better), "{better:?} {worse:?}");
         }
@@ -360,7 +397,7 @@ mod tests {
     fn no_set_is_clean_under_which_blocks_pass_through_one_another() {
         assert!(flawless().is_clean() && !flawless().is_unsafe());
         let lost = Measurement { lost_pairs: 1, ..flawless() };
-        for passing in [with_unseen(1e-9), with_deep(), lost] {
+        for passing in [with_unseen(1e-9), with_deep(), with_stop(0, 0), with_stop(40, 0), lost] {
             assert!(passing.is_unsafe() && !passing.is_clean(), "{passing:?}");
         }
     }

@@ -4,7 +4,7 @@
 
 use super::evaluator::Measurement;
 use super::search::{EvaluatedCandidate, Search, formulas};
-use super::{AbsentPreset, Cluster, Evaluator, StepMeasures};
+use super::{AbsentPreset, Cluster, Evaluator, LockstepMeasures, StepMeasures};
 use rockproof_model::scene::write_tolerances;
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::text::noun;
@@ -20,8 +20,8 @@ pub fn as_toml(set: &ToleranceSet) -> String {
 }
 
 /// The file of the set that a search recommends: where the model is not safe under it, the first line says so.
-pub fn tolerances_file(recommended: &EvaluatedCandidate) -> String {
-    let warning = why_unsafe(&recommended.measurement).map(|why| format!("# Not safe: {why}.\n"));
+pub fn tolerances_file(recommended: &EvaluatedCandidate, evaluator: &Evaluator) -> String {
+    let warning = why_unsafe(&recommended.measurement, evaluator).map(|why| format!("# Not safe: {why}.\n"));
     format!("{}{}", warning.unwrap_or_default(), as_toml(&recommended.set))
 }
 
@@ -61,7 +61,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
         d.near[0],
         d.boundary[0]
     )?;
-    let lockstep = evaluated.iter().filter(|evaluated| evaluated.measurement.lockstep.is_some()).count();
+    let lockstep = evaluated.iter().filter(|evaluated| compared_steps(&evaluated.measurement).is_some()).count();
     writeln!(
         out,
         "- {} {} of {}, {}; the oracle made the same steps exactly for {lockstep} {} that might be the best",
@@ -71,6 +71,14 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
         settling(evaluator),
         noun(lockstep, "candidate", "candidates")
     )?;
+    let stopped = evaluated.iter().filter(|candidate| candidate.measurement.steps_measured.stopped.is_some()).count();
+    if stopped > 0 {
+        writeln!(
+            out,
+            "- the steps of {stopped} {} stopped before the last of these; what comes of blocks is measured of those made",
+            noun(stopped, "candidate", "candidates")
+        )?;
+    }
     if evaluator.scene().simulation.control.unconverged == Unconverged::Stop {
         writeln!(out, "- steps that do not converge are accepted and counted; `simulate` would stop at the first")?;
     }
@@ -84,7 +92,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
         }
     }
     if best != 0 {
-        compare(out, &evaluated[best].measurement, &author.measurement)?;
+        compare(out, (&evaluated[best].measurement, &author.measurement), evaluator)?;
     }
     let given: Vec<usize> = (1..search.initial_count().min(evaluated.len())).collect();
     if !given.is_empty() {
@@ -95,25 +103,35 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     writeln!(out, "\n## Trade-offs that remain\n")?;
     let front: Vec<usize> = search.front();
     let shown: Vec<usize> = front.iter().copied().take(MAX_TRADE_OFFS).collect();
-    if shown.len() < 2 {
-        writeln!(out, "None: no candidate that keeps every rule is better in anything.")?;
+    let keep: Vec<&EvaluatedCandidate> = evaluated.iter().filter(|one| one.measurement.violated.is_empty()).collect();
+    let stepped = keep.iter().filter(|one| one.measurement.steps_measured.stopped.is_none()).count();
+    let kept = if stepped < keep.len() { "keep every rule and make every step" } else { "keep every rule" };
+    if evaluated[best].measurement.steps_measured.stopped.is_some() {
+        writeln!(out, "None: sets are compared by all steps, and those of the one recommended stop.")?;
+    } else if shown.len() < 2 {
+        let keeps = if stepped < keep.len() { "keeps every rule and makes every step" } else { "keeps every rule" };
+        writeln!(out, "None: no candidate that {keeps} is better in anything.")?;
     } else {
         writeln!(
             out,
-            "Of {} candidates that keep every rule, {} are beaten by no other in all of: pairs that differ, sinking, slack, the length of a step, and contacts changed by tolerances. Here are {}: first the one recommended, then by pairs that differ, then by how far blocks sink:\n",
-            evaluated.iter().filter(|candidate| candidate.measurement.violated.is_empty()).count(),
+            "Of {stepped} candidates that {kept}, {} are beaten by no other in all of: pairs that differ, sinking, slack, the length of a step, and contacts changed by tolerances. Here are {}: first the one recommended, then by pairs that differ, then by how far blocks sink:\n",
             front.len(),
             shown.len()
         )?;
         table(out, search, &shown)?;
     }
-    writeln!(out, "\n{NOTES}")
+    let stopped = if stopped > 0 { STOPPED_NOTE } else { "" };
+    writeln!(out, "\n{NOTES}{stopped}")
 }
 
 const NOTES: &str = "`differ`: pairs that engine and oracle answer differently: as given + moved at random + moved beside a boundary; in brackets those on a boundary, where \
 rounding the input decides whatever the tolerances. `slack`: the factor by which the tightest rule is met. `changed`: contacts that the \
 tolerances add, remove or change, compared with nearest features alone. `sinks`: the most by which the overlap of two blocks grows beyond that of the scene as \
 given; `unconverged` where steps did not converge at which the scene stops, `unseen` where blocks overlap after a step and no contact sees it. `lockstep`: steps that differ from the oracle's, of those compared; – where the oracle was not asked. A larger u means longer steps, and fewer of them.";
+
+/// A note more where steps stopped.
+const STOPPED_NOTE: &str = " `stopped`: a step could not be made, so what blocks would do from there on is not known; such a set \
+ranks behind all others but those that lose pairs of the model. Where none was made, there is none to compare with the oracle's.";
 
 /// The part that is stepped, and what holds it.
 fn part(cluster: &Cluster) -> String {
@@ -136,7 +154,7 @@ fn settling(evaluator: &Evaluator) -> String {
 }
 
 /// Everything that was measured of the author's set and the one recommended, or of the author's alone where that is the best: names of the columns, the first
-/// of them empty, and rows. Nothing where nothing was tried.
+/// of them empty, and rows. Nothing where nothing was tried. Of steps that were not made there are no figures.
 pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>)> {
     let evaluated = search.tried();
     let (best, author) = (search.best()?, evaluated.first()?);
@@ -164,18 +182,25 @@ pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>
     row("pairs beside a boundary that differ", &|evaluated| of(evaluated.measurement.differences.near));
     row("pairs on a boundary that differ", &|evaluated| of(evaluated.measurement.differences.boundary));
     row("contacts that tolerances change", &|evaluated| evaluated.measurement.differences.changed.to_string());
-    row("steps made", &|evaluated| evaluated.measurement.steps_measured.steps.to_string());
-    row("unconverged, attempts given up", &|evaluated| {
+    row("steps made", &|evaluated| {
         let made = &evaluated.measurement.steps_measured;
+        let stopped = if made.stopped.is_some() { " (stopped)" } else { "" };
+        format!("{}{stopped}", made.steps)
+    });
+    let mut row_of_steps = |name: &str, cell: &dyn Fn(&StepMeasures) -> String| {
+        row(name, &|evaluated| match &evaluated.measurement.steps_measured {
+            made if made.made() == 0 => "–".to_owned(),
+            made => cell(made),
+        });
+    };
+    row_of_steps("unconverged, attempts given up", &|made| {
         let stops = if made.refused > 0 { " (a run stops)" } else { "" };
         format!("{}{stops}, {}", made.unconverged, made.retries)
     });
-    row("blocks sink by at most", &|evaluated| format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.sunk));
-    row("steps with blocks sunk deeper than penetration", &|evaluated| {
-        evaluated.measurement.steps_measured.deep.to_string()
-    });
-    row("steps with overlaps unseen by contacts (pairs, depth)", &|evaluated| {
-        let unseen = &evaluated.measurement.steps_measured.unseen;
+    row_of_steps("blocks sink by at most", &|made| format!("{:.3e} m", made.overlaps.sunk));
+    row_of_steps("steps with blocks sunk deeper than penetration", &|made| made.deep.to_string());
+    row_of_steps("steps with overlaps unseen by contacts (pairs, depth)", &|made| {
+        let unseen = &made.unseen;
         let worst = if unseen.steps == 0 {
             String::new()
         } else {
@@ -183,17 +208,14 @@ pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>
         };
         format!("{}{worst}", unseen.steps)
     });
-    row("deepest overlap after the last step", &|evaluated| {
-        format!("{:.3e} m", evaluated.measurement.steps_measured.overlaps.deepest)
-    });
+    row_of_steps("deepest overlap after the last step", &|made| format!("{:.3e} m", made.overlaps.deepest));
     row("the same with the steps of the oracle", &|evaluated| {
         let deepest = evaluated.measurement.lockstep.as_ref().and_then(|lockstep| lockstep.deepest);
         deepest.map_or("–".to_owned(), |deepest| format!("{deepest:.3e} m"))
     });
     row("steps that differ from the oracle's", &|evaluated| lockstep(&evaluated.measurement));
     row("contacts, modes that differ in them", &|evaluated| {
-        let lockstep = evaluated.measurement.lockstep.as_ref();
-        lockstep.map_or("–".to_owned(), |l| {
+        compared_steps(&evaluated.measurement).map_or("–".to_owned(), |l| {
             format!("{}, {} of {} ({:.1} %)", l.contacts, l.modes, l.found, 100.0 * l.share())
         })
     });
@@ -229,17 +251,25 @@ fn of([examined, differ]: [u64; 2]) -> String {
     format!("{differ} of {examined}")
 }
 
-fn lockstep(m: &Measurement) -> String {
-    m.lockstep.as_ref().map_or("–".to_owned(), |lockstep| format!("{} of {}", lockstep.differ, lockstep.steps))
+/// What the oracle says of steps, where it was asked and one side made any.
+fn compared_steps(m: &Measurement) -> Option<&LockstepMeasures> {
+    m.lockstep.as_ref().filter(|lockstep| lockstep.steps > 0)
 }
 
-/// What of overlaps makes the model unsafe under a set, if something does.
-fn why_unsafe(m: &Measurement) -> Option<String> {
+fn lockstep(m: &Measurement) -> String {
+    compared_steps(m).map_or("–".to_owned(), |lockstep| format!("{} of {}", lockstep.differ, lockstep.steps))
+}
+
+/// What of steps and overlaps makes the model unsafe under a set, if something does.
+fn why_unsafe(m: &Measurement, evaluator: &Evaluator) -> Option<String> {
     let made = &m.steps_measured;
     let mut reasons = Vec::new();
     if m.lost_pairs > 0 {
         let pairs = noun(m.lost_pairs, "pair of the model overlaps", "pairs of the model overlap");
         reasons.push(format!("{} {pairs} deeper than `penetration` or unseen by contacts as given", m.lost_pairs));
+    }
+    if made.stopped.is_some() {
+        reasons.push(format!("the steps stopped after {}", steps_made(made, evaluator)));
     }
     reasons.extend(unseen_in_words(made));
     if made.deep > 0 {
@@ -256,7 +286,7 @@ fn unseen_in_words(made: &StepMeasures) -> Option<String> {
         1 => "1 pair overlaps".to_owned(),
         count => format!("up to {count} pairs overlap"),
     };
-    let all = made.settled + made.steps;
+    let all = made.made();
     let steps = noun(all, "step", "steps");
     Some(format!(
         "{pairs} unseen by contacts after {} of {all} {steps}, worst {:.3e} m",
@@ -269,10 +299,18 @@ fn settling_steps(evaluator: &Evaluator) -> [u32; 2] {
     [&evaluator.cluster.scene, evaluator.scene()].map(|scene| scene.simulation.control.settle)
 }
 
-/// Which settling is among the steps that the oracle made.
-fn settling_among(evaluator: &Evaluator) -> String {
-    match settling_steps(evaluator) {
-        [made, given] if made < given => format!("{made} of the {given} settling steps of the scene included"),
+/// How many steps of how many were made, where they stopped.
+fn steps_made(made: &StepMeasures, evaluator: &Evaluator) -> String {
+    let [settling, _] = settling_steps(evaluator);
+    let all = u64::from(settling) + evaluator.steps();
+    let among = if settling > 0 { ", settling included" } else { "" };
+    format!("{} of {all}{among}", made.made())
+}
+
+/// Which settling is among the steps made.
+fn settling_among(made: &StepMeasures, evaluator: &Evaluator) -> String {
+    match (made.settled, settling_steps(evaluator)[1].into()) {
+        (settled, given) if settled < given => format!("{settled} of the {given} settling steps of the scene included"),
         _ => "settling included".to_owned(),
     }
 }
@@ -281,7 +319,7 @@ fn settling_among(evaluator: &Evaluator) -> String {
 fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize, evaluator: &Evaluator) -> std::fmt::Result {
     let m = &tried[best].measurement;
     let d = &m.differences;
-    if let Some(why) = why_unsafe(m) {
+    if let Some(why) = why_unsafe(m, evaluator) {
         let others = match tried.iter().all(|other| other.measurement.is_unsafe()) {
             true => " So it is under every set tried.",
             false => "",
@@ -310,33 +348,48 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize, evaluato
             m.tightest.rule.formula()
         )?,
         false => {
-            let others = match tried.iter().filter(|other| other.measurement.violated.is_empty()).count() {
+            let keeping = || tried.iter().map(|other| &other.measurement).filter(|other| other.violated.is_empty());
+            let [stops, stop] = match keeping().any(|other| other.steps_measured.stopped.is_some()) {
+                true => [", stops in its steps", ", stop in their steps"],
+                false => [""; 2],
+            };
+            let others = match keeping().count() {
                 0 => "No candidate met every rule; this one breaks".to_owned(),
                 1 => {
-                    "One candidate meets every rule, but loses pairs of the model or lets some overlap unseen; this one breaks"
-                        .to_owned()
+                    format!(
+                        "One candidate meets every rule, but loses pairs of the model{stops} or lets some overlap unseen; this one breaks"
+                    )
                 }
                 n => format!(
-                    "{n} candidates meet every rule, but lose pairs of the model or let some overlap unseen; this one breaks"
+                    "{n} candidates meet every rule, but lose pairs of the model{stop} or let some overlap unseen; this one breaks"
                 ),
             };
             writeln!(out, "{others}: {}.", formulas(&m.violated))?;
         }
     }
-    match &m.steps_measured.stopped {
-        None if m.steps_measured.overlaps.sunk == 0.0 => {
-            writeln!(
-                out,
-                "In {} steps no block sinks: no overlap grows beyond that of the scene as given.",
-                m.steps_measured.steps
-            )?;
+    let made = &m.steps_measured;
+    if let Some(why) = &made.stopped {
+        let others = match tried.iter().all(|other| other.measurement.steps_measured.stopped.is_some()) {
+            true => "The steps stop under every set tried",
+            false => "Under some other sets they do not, but these lose pairs of the model",
+        };
+        writeln!(out, "The steps stopped after {}: {why}. {others}.", steps_made(made, evaluator))?;
+    }
+    let steps = match (&made.stopped, made.made()) {
+        (None, _) => Some(format!("In {} {}", made.steps, noun(made.steps, "step", "steps"))),
+        (Some(_), 0) => None,
+        (Some(_), _) => Some("Until then".to_owned()),
+    };
+    match steps {
+        Some(steps) if made.overlaps.sunk == 0.0 => {
+            writeln!(out, "{steps} no block sinks: no overlap grows beyond that of the scene as given.")?;
         }
-        None => writeln!(
+        Some(steps) => writeln!(
             out,
-            "In {} steps blocks sink by at most {:.3e} m: by so much an overlap grows beyond that of the scene as given.",
-            m.steps_measured.steps, m.steps_measured.overlaps.sunk
+            "{steps} blocks sink by at most {:.3e} m: by so much an overlap grows beyond that of the scene as given.",
+            made.overlaps.sunk
         )?,
-        Some(why) => writeln!(out, "The steps stopped after {}: {why}.", m.steps_measured.steps)?,
+        None => writeln!(out, "So it is not known what blocks do under this set.")?,
     }
     if m.steps_measured.refused > 0 {
         writeln!(
@@ -344,7 +397,11 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize, evaluato
             "{} of these steps, settling included, {}: the scene stops there (`unconverged = \"stop\"`), so `simulate` does not get as far with this set. {}.",
             m.steps_measured.refused,
             noun(m.steps_measured.refused, "does not converge", "do not converge"),
-            match tried.iter().all(|other| other.measurement.steps_measured.refused > 0) {
+            match tried
+                .iter()
+                .map(|other| &other.measurement.steps_measured)
+                .all(|o| o.refused > 0 || o.stopped.is_some())
+            {
                 true => "Nor with any other set tried: `simulate` says which contacts keep changing their mode",
                 false =>
                     "With some other sets it does, but these are worse in what is compared before, or were not compared that far",
@@ -358,32 +415,62 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize, evaluato
             tried[best].set.penetration.approximate(),
             m.steps_measured.deep,
             noun(m.steps_measured.deep, "step", "steps"),
-            match tried.iter().all(|other| other.measurement.steps_measured.deep > 0) {
-                true =>
+            match others_sink(tried) {
+                Some(true) =>
                     "So they do under every set tried: joints are too soft for the loads, or no contact is there (`simulate --audit` tells)",
-                false =>
+                Some(false) =>
                     "Under some other sets they do not, but these are worse in what is compared before, or were not compared that far",
+                None => "So they do under every set tried under which the steps do not stop",
             }
         )?;
     }
     match &m.lockstep {
-        Some(lockstep) if lockstep.differ + lockstep.failed == 0 => {
-            let [made, given] = settling_steps(evaluator);
-            let whole_run = if made < given { ": in a whole run others may differ" } else { "" };
-            writeln!(out, "All {} steps, {}, equal the oracle's{whole_run}.", lockstep.steps, settling_among(evaluator))
-        }
-        Some(lockstep) => writeln!(
-            out,
-            "{} of {} steps, {}, differ from the oracle's ({} of {} contacts, and {} modes); one side could not make {}.",
-            lockstep.differ,
-            lockstep.steps,
-            settling_among(evaluator),
-            lockstep.contacts,
-            lockstep.found,
-            lockstep.modes,
-            lockstep.failed
-        ),
+        Some(lockstep) => compared_with_oracle(out, lockstep, made, evaluator),
         None => Ok(()),
+    }
+}
+
+/// Whether blocks sink deeper than `penetration` under every set; `None` where they do under all whose steps do not stop.
+fn others_sink(tried: &[EvaluatedCandidate]) -> Option<bool> {
+    let others = || tried.iter().map(|other| &other.measurement.steps_measured).filter(|other| other.deep == 0);
+    match (others().count(), others().any(|other| other.stopped.is_none())) {
+        (0, _) => Some(true),
+        (_, true) => Some(false),
+        (_, false) => None,
+    }
+}
+
+/// How the steps made are the oracle's.
+fn compared_with_oracle(
+    out: &mut String,
+    lockstep: &LockstepMeasures,
+    made: &StepMeasures,
+    evaluator: &Evaluator,
+) -> std::fmt::Result {
+    let among = settling_among(made, evaluator);
+    let is_stopped = made.stopped.is_some();
+    if lockstep.differ + lockstep.failed > 0 {
+        let last = match (is_stopped, lockstep.steps > made.made()) {
+            (false, _) => "",
+            (true, true) => " The oracle makes the step at which the stepper stops.",
+            (true, false) => " The oracle cannot make the step after them either.",
+        };
+        return writeln!(
+            out,
+            "{} of {} steps, {among}, differ from the oracle's ({} of {} contacts, and {} modes); one side could not make {}.{last}",
+            lockstep.differ, lockstep.steps, lockstep.contacts, lockstep.found, lockstep.modes, lockstep.failed
+        );
+    }
+    let [settling, given] = settling_steps(evaluator);
+    let end = match is_stopped {
+        true => ", which cannot make the next one either",
+        false if settling < given => ": in a whole run others may differ",
+        false => "",
+    };
+    match lockstep.steps {
+        0 => writeln!(out, "The oracle cannot make the first step either."),
+        1 => writeln!(out, "The one step made, {among}, equals the oracle's{end}."),
+        steps => writeln!(out, "All {steps} steps, {among}, equal the oracle's{end}."),
     }
 }
 
@@ -397,8 +484,11 @@ fn with_fewer_differences(tried: &[EvaluatedCandidate], best: &Measurement) -> S
     let other = &other.measurement;
     let broken = other.violated.len();
     let unseen = |m: &Measurement| m.merit().unseen;
+    let stopped = |m: &Measurement| m.merit().stopped;
     let why = if other.lost_pairs > 0 && best.lost_pairs == 0 {
         "but loses pairs of the model".to_owned()
+    } else if stopped(other) > stopped(best) {
+        format!("but its steps stop{}", if stopped(best).is_some() { " earlier" } else { "" })
     } else if unseen(other) > unseen(best) {
         let deeper = if unseen(best) > 0 { "deeper " } else { "" };
         format!("but lets pairs overlap {deeper}unseen by contacts in its steps")
@@ -494,7 +584,7 @@ fn absent_presets(out: &mut String, search: &Search<'_>) -> std::fmt::Result {
 }
 
 /// What the author's set does worse, in words.
-fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::fmt::Result {
+fn compare(out: &mut String, (best, author): (&Measurement, &Measurement), evaluator: &Evaluator) -> std::fmt::Result {
     writeln!(out, "\nThe author's set:\n")?;
     if !author.violated.is_empty() {
         let count = author.violated.len();
@@ -517,14 +607,18 @@ fn compare(out: &mut String, best: &Measurement, author: &Measurement) -> std::f
     let share =
         |m: &Measurement| format!("{:.1} %", m.lockstep.as_ref().map_or(0.0, |lockstep| 100.0 * lockstep.share()));
     let (ours, theirs) = (share(best), share(author));
-    if ours != theirs {
+    // Those of some of the steps are no share of all.
+    if ours != theirs && author.steps_measured.stopped.is_none() {
         writeln!(out, "- differs from the oracle in {theirs} of the contacts in steps, instead of {ours}")?;
     }
     let sunk = |m: &Measurement| format!("{:.3e} m", m.steps_measured.overlaps.sunk);
     let (ours, theirs) = (sunk(best), sunk(author));
-    match &author.steps_measured.stopped {
-        Some(why) => writeln!(out, "- stops after {} steps: {why}", author.steps_measured.steps)?,
-        None if ours != theirs => writeln!(out, "- lets blocks sink by {theirs} instead of {ours}")?,
+    let stops = |m: &Measurement| m.steps_measured.stopped.clone().map(|why| (m.steps_measured.made(), why));
+    match stops(author).filter(|_| stops(author) != stops(best)) {
+        Some((_, why)) => writeln!(out, "- stops after {}: {why}", steps_made(&author.steps_measured, evaluator))?,
+        None if ours != theirs && stops(best).is_none() => {
+            writeln!(out, "- lets blocks sink by {theirs} instead of {ours}")?;
+        }
         None => {}
     }
     let (ours, theirs) = (best.steps_measured.refused, author.steps_measured.refused);

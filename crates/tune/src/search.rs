@@ -212,8 +212,8 @@ impl<'w> Search<'w> {
 
     /// Whether the oracle is asked about the steps of the next candidate, which takes much longer than all else: always for the first; later if it is better
     /// than the best so far in what is cheap, or no worse in pairs and rules where the steps of the best differ from the oracle's; and no more often than
-    /// for a quarter of all candidates, but for the first that loses no pair of the model, and the first without unseen overlaps in steps: a set that is worse
-    /// in these is never the best beside it.
+    /// for a quarter of all candidates, but for the first that loses no pair of the model, the first whose steps do not stop, and the first without unseen overlaps in
+    /// steps: a set that is worse in these is never the best beside it.
     pub(super) fn may_be_best(&self, measurement: &Measurement) -> bool {
         let Some(best) = self.best().map(|best| &self.evaluated[best].measurement) else { return true };
         if measurement.passing() < best.passing() {
@@ -253,11 +253,11 @@ impl<'w> Search<'w> {
     }
 
     /// The best candidate, then those that no other beats in all of: pairs that differ, sinking, slack to the nearest rule, length of a step, contacts
-    /// changed by tolerances; by pairs that differ, then sinking. All keep every rule, and none loses a pair of the model, or lets one overlap unseen, if the best
-    /// does not.
+    /// changed by tolerances; by pairs that differ, then sinking. All keep every rule and make every step, and none loses a pair of the model, or lets one overlap
+    /// unseen, if the best does not.
     pub fn front(&self) -> Vec<usize> {
-        let of_best = self.best().map_or([true; 2], |best| self.evaluated[best].measurement.passing());
-        let no_worse = |own: [bool; 2]| own.iter().zip(of_best).all(|(own, best)| *own <= best);
+        let of_best = self.best().map_or([true; 3], |best| self.evaluated[best].measurement.passing());
+        let no_worse = |own: [bool; 3]| own.iter().zip(of_best).all(|(own, best)| *own <= best);
         let fine: Vec<usize> = (0..self.evaluated.len())
             .filter(|&k| {
                 let m = &self.evaluated[k].measurement;
@@ -296,7 +296,7 @@ pub(super) fn formulas(rules: &[Rule]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::UnseenOverlaps;
+    use crate::{LockstepMeasures, StepMeasures, UnseenOverlaps};
     use rockproof_bench::stepping::wall;
     use rockproof_model::Precision;
 
@@ -331,5 +331,30 @@ mod tests {
         assert!(search.front().len() > 1);
         search.add(search.candidate(), whole);
         assert_eq!((search.best(), search.front()), (Some(19), vec![19]));
+    }
+
+    /// A set whose steps stop at once has nothing that could overlap in them: it is not the best beside one that makes all, nor a trade-off, however few pairs differ.
+    #[test]
+    fn a_set_whose_steps_stop_is_not_the_best_beside_one_that_makes_them() {
+        let scene = wall(4).expect("a wall");
+        let evaluator = Evaluator::new(&scene, Precision::F64, 1, Some(1), 0).expect("an evaluator");
+        let mut search = Search::new(&evaluator, &ToleranceSpec::default(), 1).expect("a search");
+        let mut made = evaluator.measure(&search.candidate().set).expect("measures");
+        let lockstep = evaluator.lockstep(&search.candidate().set).expect("steps");
+        made.steps_measured.unseen = UnseenOverlaps { steps: 1, most_pairs: 1, deepest: 0.01 };
+        made.differences.standing[1] = 9;
+        let mut stopped = made.clone();
+        stopped.steps_measured = StepMeasures { stopped: Some("step 1".to_owned()), ..StepMeasures::default() };
+        stopped.differences.standing[1] = 0;
+        for _ in 0..LOCKSTEPS + 2 {
+            let next = search.candidate();
+            assert_eq!(search.may_be_best(&stopped), search.tried().is_empty());
+            search.add(next, Measurement { lockstep: Some(LockstepMeasures::default()), ..stopped.clone() });
+        }
+        assert_eq!((search.best(), search.front()), (Some(0), vec![]));
+        assert!(search.may_be_best(&made), "the first that makes its steps");
+        made.lockstep = Some(lockstep);
+        search.add(search.candidate(), made);
+        assert_eq!((search.best(), search.front()), (Some(LOCKSTEPS + 2), vec![LOCKSTEPS + 2]));
     }
 }

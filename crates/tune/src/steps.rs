@@ -10,7 +10,7 @@ use rockproof_differential::lockstep::{StepAnswerChange, StepDecisions, compare}
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::{Block, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::penetration::penetration;
-use rockproof_stepper::dynamics::{Dynamics, Solve, State};
+use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepError};
 use serde::{Deserialize, Serialize};
 
 /// What steps under a set came to.
@@ -32,14 +32,21 @@ pub struct StepMeasures {
     pub refused: u64,
     /// Attempts given up.
     pub retries: u64,
-    /// Why the run stopped, if it did.
+    /// Why the run stopped, if it did: the step that comes after those made cannot be made.
     pub stopped: Option<String>,
+}
+
+impl StepMeasures {
+    /// Steps made, settling too.
+    pub fn made(&self) -> u64 {
+        self.settled + self.steps
+    }
 }
 
 /// What the oracle said of the same steps, each made from the state in which the stepper was.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LockstepMeasures {
-    /// Steps compared, settling too.
+    /// Steps compared, settling too: those that one side made at least.
     pub steps: u64,
     /// Steps that differ in anything: contacts, modes, solves, retries, Δt.
     pub differ: u64,
@@ -127,9 +134,10 @@ fn boxes_overlap(a: &Block, b: &Block) -> bool {
     below(&a.min, &b.max) && below(&b.min, &a.max)
 }
 
-/// Steps the part and looks after each step how deep its blocks overlap, and whether contacts see it. `unconverged` is what the scene does where a step does not converge; here the part goes on.
+/// Steps a part and looks after each step how deep its blocks overlap, and whether contacts see it. `members` are the numbers that its blocks have in the whole scene;
+/// `unconverged` is what the scene does where a step does not converge; here the part goes on.
 pub(super) fn measure_steps<R: Solve>(
-    part: &Scene,
+    (part, members): (&Scene, &[usize]),
     (set, precision): (&ToleranceSet, Precision),
     initial: &InitialOverlaps,
     steps: u64,
@@ -152,11 +160,28 @@ pub(super) fn measure_steps<R: Solve>(
                 found.unconverged += u64::from(!report.converged);
                 found.retries += report.retries.len() as u64;
             }
-            Err(error) => found.stopped = Some(error.to_string()),
+            Err(error) => found.stopped = Some(of_scene(error, members).to_string()),
         }
     }
     found.refused = if unconverged == Unconverged::Stop { found.unconverged } else { 0 };
     Ok(found)
+}
+
+/// An error of a part, with the numbers that its blocks have in the whole scene.
+fn of_scene(mut error: StepError, members: &[usize]) -> StepError {
+    match &mut error {
+        StepError::TooFast { block, .. }
+        | StepError::Inverted { block, .. }
+        | StepError::Collapsed { block, .. }
+        | StepError::NotFinite { block, .. }
+        | StepError::Singular { block, .. } => *block = members[*block],
+        StepError::NotConverged { contacts, .. } => {
+            for change in contacts {
+                change.blocks = change.blocks.map(|block| members[block as usize] as u32);
+            }
+        }
+    }
+    error
 }
 
 fn placed<R: Solve>(part: &Scene, state: &State<R>) -> Vec<Block> {
@@ -200,15 +225,17 @@ pub(super) fn measure_lockstep<R: Solve>(
         } else {
             rounded.decide(&before).map(|step| StepDecisions::of_certified(&step))
         };
+        if made.is_err() && exact.is_err() {
+            break;
+        }
         found.steps += 1;
         let (made, exact) = match (made, exact) {
             (Ok(made), Ok(exact)) => (made, exact),
-            (Err(_), Err(_)) => break,
             (Ok(_), Err(_)) => {
                 found.failed += 1;
                 continue;
             }
-            (Err(_), Ok(_)) => {
+            (Err(_), _) => {
                 found.failed += 1;
                 break;
             }
