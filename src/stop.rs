@@ -16,7 +16,41 @@ pub(crate) fn on_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
     stop_flag(end_all, print_note).context(NO_HANDLER)
 }
 
-/// The same where another process tells the user.
+/// What Ctrl-C does to work that has to be made ready first.
+pub(crate) struct ReadyingStop {
+    /// Whether the work has begun.
+    begun: Arc<AtomicBool>,
+    stop: Arc<AtomicBool>,
+}
+
+impl ReadyingStop {
+    /// Says that the work begins; what comes back is as from [`on_ctrl_c`].
+    pub(crate) fn begin(self) -> Arc<AtomicBool> {
+        self.begun.store(true, Ordering::SeqCst);
+        self.stop
+    }
+}
+
+/// As [`on_ctrl_c`], but as long as the work is made ready, when nothing is there to keep, Ctrl-C ends the program at once, and `note` is told.
+///
+/// # Errors
+/// As [`on_ctrl_c`].
+pub(crate) fn on_ctrl_c_while_readying(note: &'static str) -> anyhow::Result<ReadyingStop> {
+    let begun = Arc::new(AtomicBool::new(false));
+    let is_begun = Arc::clone(&begun);
+    let ended = move || {
+        if !is_begun.load(Ordering::SeqCst) {
+            ENDED.store(true, Ordering::SeqCst);
+            print_note(note);
+            std::process::exit(INTERRUPTED.into());
+        }
+        end_all();
+    };
+    let stop = stop_flag(ended, print_note).context(NO_HANDLER)?;
+    Ok(ReadyingStop { begun, stop })
+}
+
+/// As [`on_ctrl_c`], where another process tells the user.
 ///
 /// # Errors
 /// As [`on_ctrl_c`].

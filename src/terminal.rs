@@ -50,7 +50,7 @@ pub(crate) fn check_environment() -> Result<(), String> {
 ///
 /// # Errors
 /// When the system gives no handler, or one was set before.
-pub(crate) fn stop_flag(ended: fn(), note: fn(&str)) -> Result<Arc<AtomicBool>, ctrlc::Error> {
+pub(crate) fn stop_flag(ended: impl Fn() + Send + 'static, note: fn(&str)) -> Result<Arc<AtomicBool>, ctrlc::Error> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     ctrlc::set_handler(move || {

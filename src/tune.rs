@@ -3,7 +3,7 @@
 use crate::exit::{ExitStatus, Outcome, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, stepper};
 use crate::input_file::InputFile;
-use crate::stop::on_ctrl_c;
+use crate::stop::{ReadyingStop, on_ctrl_c_while_readying};
 use crate::terminal::threads;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -91,6 +91,15 @@ pub(crate) struct Prepared {
     pub(crate) dir: PathBuf,
 }
 
+/// What is told where the model was still measured.
+pub(crate) const MEASURING: &str =
+    "interrupted before the first candidate of this session: nothing is written, and the same command begins anew";
+
+/// What Ctrl-C does; while the model is measured the program ends at once.
+pub(crate) fn on_ctrl_c_while_measuring() -> anyhow::Result<ReadyingStop> {
+    on_ctrl_c_while_readying(MEASURING)
+}
+
 /// Writes what was tried so far.
 type Commit<'c> = &'c mut dyn FnMut(&Search<'_>) -> anyhow::Result<()>;
 
@@ -107,10 +116,11 @@ impl Tune {
 
     /// Searches in this process alone.
     pub(crate) fn run_here(&self) -> Outcome {
+        let stop = on_ctrl_c_while_measuring()?;
         let pool = self.pool()?;
         let Prepared { evaluator, author, identity, dir } = self.prepared(&pool)?;
         let evaluator = pool.install(|| evaluator.audited());
-        let stop = on_ctrl_c()?;
+        let stop = stop.begin();
         self.searched((&evaluator, &author), (&identity, &dir), &stop, |search, enough, commit| {
             while !(enough.reached)(search.tried().len()) && !stop.load(Ordering::Relaxed) {
                 pool.install(|| search.step().map(|_| ()))?;

@@ -1,9 +1,9 @@
 //! `tune --mpi`: every rank measures candidates, rank 0 keeps the record (`crates/tune/src/distribute/`).
 
 use super::{Job, Ranks, introduction};
-use crate::exit::{ExitStatus, Outcome};
-use crate::stop::{on_ctrl_c, on_ctrl_c_silently};
-use crate::tune::{Prepared, Tune};
+use crate::exit::{ExitStatus, Outcome, print_note};
+use crate::stop::on_ctrl_c_silently;
+use crate::tune::{MEASURING, Prepared, Tune, on_ctrl_c_while_measuring};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::part::Machine;
 use rockproof_campaign::source;
@@ -17,13 +17,18 @@ impl Job for Tune {
     }
 
     fn lead(&self, ranks: &mut Ranks) -> Outcome {
+        let stop = on_ctrl_c_while_measuring()?;
         let pool = self.pool()?;
         let prepared = self.prepared(&pool)?;
-        let stop = on_ctrl_c()?;
+        let stop = stop.begin();
+        let interrupted = || {
+            print_note(MEASURING);
+            Ok(ExitStatus::Interrupted)
+        };
         let own = introduction(self.threads(), Ok(work_of(&prepared)?));
-        let Some(mut crew) = Crew::gather(ranks, &own, &pool, &stop)? else { return Ok(ExitStatus::Interrupted) };
+        let Some(mut crew) = Crew::gather(ranks, &own, &pool, &stop)? else { return interrupted() };
         let Prepared { evaluator, author, identity, dir } = prepared;
-        let Some(evaluator) = crew.audited(evaluator, &stop)? else { return Ok(ExitStatus::Interrupted) };
+        let Some(evaluator) = crew.audited(evaluator, &stop)? else { return interrupted() };
         self.searched((&evaluator, &author), (&identity, &dir), &stop, |search, enough, commit| {
             crew.search(search, enough, &stop, commit)
         })

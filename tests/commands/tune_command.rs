@@ -441,28 +441,6 @@ fn a_set_under_which_an_arch_collapses_is_not_recommended() {
     }
 }
 
-#[test]
-fn bad_input_exits_with_2() {
-    let dir = tempfile::tempdir().expect("a directory");
-    let (scene, lone) = (path(dir.path(), "scene.toml"), path(dir.path(), "lone.toml"));
-    fs::write(&scene, SCENE).expect("write");
-    fs::write(&lone, "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n").expect("write");
-    let out = path(dir.path(), "out");
-    let missing = path(dir.path(), "missing.toml");
-    let wrong: [(&[&str], &str); 8] = [
-        (&[&missing], "missing.toml"),
-        (&[&lone], "near"),
-        (&[&scene, "--candidates", "0"], "--candidates"),
-        (&[&scene, "--budget", "x"], "--budget"),
-        (&[&scene, "--steps", "0"], "--steps"),
-        (&[&scene, "--engine", "f16"], "stepper-f32 and stepper-f64"),
-        (&[&scene, "--set", "search=-1"], "search"),
-        (&[&scene, "--tolerances", "nothing"], "nothing"),
-    ];
-    for (args, word) in wrong {
-        let all: Vec<&str> = ["tune"].iter().chain(args).chain(&["--out", out.as_str()]).copied().collect();
-        let (code, _, err) = rockproof(&all);
-        assert!(code == 2 && err.contains(word), "{args:?}: {code} {err}");
 /// Blocks may move by no more than 10⁻¹³ m in a step, so none can be made. There is nothing in them that could overlap, and fewer moved pairs differ.
 #[test]
 fn a_set_whose_steps_stop_is_not_recommended_and_never_called_safe() {
