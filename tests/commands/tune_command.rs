@@ -186,6 +186,28 @@ fn a_preset_that_has_no_row_has_a_line_that_says_why() {
     assert!(!printed.contains("- preset `shi`"), "it has a row: {printed}");
 }
 
+/// Two slivers so low that lengths taken from the height of the model are below all of f64: `shi` cannot be had, `auto` can.
+#[test]
+fn a_preset_that_cannot_be_had_has_a_line_that_says_why() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let (scene, out) = (path(dir.path(), "flat.toml"), path(dir.path(), "out"));
+    let sliver = |x: u32, body: &str| {
+        let far = x + 1;
+        format!(
+            "[[block]]\n{body}\nvertices = [[{x}, 0, 0], [{far}, 0, 0], [{x}, 1, 0], [{far}, 1, 1e-322]]\n\
+             faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]\n"
+        )
+    };
+    fs::write(&scene, sliver(0, "fixed = true") + &sliver(1, "motion = \"rigid\"")).expect("write");
+    let args = ["tune", &scene, "--candidates", "5", "--steps", "1", "--out", &out];
+    let (code, printed, err) = rockproof(&args);
+    assert_eq!(code, 1, "{err}");
+    let told = "\n- preset `auto`: the author's set\n- preset `shi`: not tried, preset \"shi\" gives no usable value of `search`: 0e0\n";
+    assert!(printed.contains(told), "{printed}");
+    let rows = rows(&out);
+    assert!(rows.len() == 5 && rows.iter().all(|row| row["origin"] != "shi"), "{printed}");
+}
+
 /// In f32, a hundred metres from the origin, a territory of 10 µm is not above what coordinates resolve.
 #[test]
 fn tolerances_below_roundoff_are_replaced() {
@@ -501,6 +523,28 @@ fn a_set_whose_steps_stop_is_not_recommended_and_never_called_safe() {
     }
 }
 
+#[test]
+fn bad_input_exits_with_2() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let (scene, lone) = (path(dir.path(), "scene.toml"), path(dir.path(), "lone.toml"));
+    fs::write(&scene, SCENE).expect("write");
+    fs::write(&lone, "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n").expect("write");
+    let out = path(dir.path(), "out");
+    let missing = path(dir.path(), "missing.toml");
+    let wrong: [(&[&str], &str); 8] = [
+        (&[&missing], "missing.toml"),
+        (&[&lone], "near"),
+        (&[&scene, "--candidates", "0"], "--candidates"),
+        (&[&scene, "--budget", "x"], "--budget"),
+        (&[&scene, "--steps", "0"], "--steps"),
+        (&[&scene, "--engine", "f16"], "stepper-f32 and stepper-f64"),
+        (&[&scene, "--set", "search=-1"], "search"),
+        (&[&scene, "--tolerances", "nothing"], "nothing"),
+    ];
+    for (args, word) in wrong {
+        let all: Vec<&str> = ["tune"].iter().chain(args).chain(&["--out", out.as_str()]).copied().collect();
+        let (code, _, err) = rockproof(&all);
+        assert!(code == 2 && err.contains(word), "{args:?}: {code} {err}");
     }
     assert!(!PathBuf::from(&out).exists(), "nothing is written for bad input");
 }
@@ -537,6 +581,35 @@ fn the_reference_in_reports_is_not_stale() {
             }
         }
     }
+}
+
+/// The model comes by stdin, and does not come.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_search_that_is_interrupted_before_it_begins_says_so() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let mut search = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
+        .args(["tune", "-", "--candidates", "1", "--out", "found"])
+        .current_dir(dir.path())
+        .stdin(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("starts");
+    let model = search.stdin.take();
+    let caught = || {
+        let status = fs::read_to_string(format!("/proc/{}/status", search.id())).expect("a process");
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).expect("signals");
+        u64::from_str_radix(mask.trim(), 16).expect("a mask") & 2 != 0
+    };
+    until("Ctrl-C is caught", caught);
+    signal(&search, "INT");
+    let ended = search.wait_with_output().expect("an end");
+    drop(model);
+    let (out, err) = (String::from_utf8_lossy(&ended.stdout), String::from_utf8_lossy(&ended.stderr));
+    let told = "note: interrupted before the first candidate of this session: nothing is written, and the same command begins anew\n";
+    assert_eq!((ended.status.code(), &*out, &*err), (Some(130), "", told));
+    assert!(!dir.path().join("found").exists());
 }
 
 #[test]
