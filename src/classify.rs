@@ -1,5 +1,6 @@
 //! `classify`: the contacts between the blocks of a file.
 
+use crate::doubts::tell_of_tolerances;
 use crate::exit::{ExitStatus, Outcome, print, write_to_stdout};
 use crate::input::{ReadArgs, ToleranceArgs, model_help};
 use crate::input_file::InputFile;
@@ -99,6 +100,7 @@ impl Classify {
         let place = || self.tolerances.place(self.file.path());
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
         let tolerances = spec.derive(&blocks, precision).with_context(place)?;
+        tell_of_tolerances(&blocks, &tolerances);
         let pairs = match self.pair {
             Some((i, j)) => {
                 if let Some(missing) = [i, j].into_iter().find(|&n| n >= blocks.len()) {

@@ -1,7 +1,9 @@
 //! The file that a command looks at: a path, or `-` for stdin.
 
+use crate::doubts::tell_of_planarity;
 use crate::exit::print_note;
 use crate::input::{ReadArgs, format_names};
+use crate::reading::weld_that_undoes;
 use anyhow::Context;
 use rockproof_differential::external::spec::quoted;
 use rockproof_differential::lockstep::StepCase;
@@ -168,7 +170,14 @@ impl ModelFile {
     /// The scene; the first thing wrong with the file is an error.
     pub(crate) fn scene(&self) -> Result<Scene, SceneError> {
         let scene = Scene::parse_bytes(&self.bytes, self.format, &self.name, &self.options);
-        scene.inspect_err(|error| self.note_other_format(error))
+        match &scene {
+            Ok(scene) => tell_of_planarity(scene),
+            Err(error) => {
+                self.note_other_format(error);
+                self.note_weld();
+            }
+        }
+        scene
     }
 
     /// Says so where a file that cannot be read begins as those of another format do.
@@ -183,9 +192,25 @@ impl ModelFile {
         }
     }
 
+    /// Says so where vertices were joined, and more blocks can be used without that.
+    fn note_weld(&self) {
+        if let Some(note) = weld_that_undoes(self) {
+            print_note(&note);
+        }
+    }
+
     /// The blocks that can be used, and what is wrong with the others.
     pub(crate) fn survey(&self) -> Result<(Scene, Vec<SceneError>), SceneError> {
-        self.survey_with(&self.options).inspect_err(|error| self.note_other_format(error))
+        let survey = self.survey_with(&self.options);
+        match &survey {
+            Ok((scene, problems)) if problems.is_empty() => tell_of_planarity(scene),
+            Ok(_) => self.note_weld(),
+            Err(error) => {
+                self.note_other_format(error);
+                self.note_weld();
+            }
+        }
+        survey
     }
 
     /// The same with other options than those given, which [`ModelFile::options`] are.

@@ -9,6 +9,7 @@ mod compare;
 mod completions;
 mod convert;
 mod deny;
+mod doubts;
 mod examine;
 mod exit;
 mod gate;

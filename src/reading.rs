@@ -119,6 +119,21 @@ pub(crate) fn weld_that_joins(model: &ModelFile) -> Option<&'static str> {
     })
 }
 
+/// What joining vertices made of blocks, where more can be used without it.
+pub(crate) fn weld_that_undoes(model: &ModelFile) -> Option<String> {
+    let distance = model.options().weld.as_ref().filter(|_| model.length() <= WELDED_AGAIN)?;
+    let read = |weld: Option<Number>| model.survey_with(&LoadOptions { weld, ..model.options().clone() }).ok();
+    let joined = read(Some(distance.clone())).map_or(0, |(scene, _)| scene.blocks.len());
+    let (scene, problems) = read(None)?;
+    let (usable, all) = (scene.blocks.len(), scene.blocks.len() + problems.len());
+    (usable > joined).then(|| {
+        format!(
+            "--weld {distance} made one vertex of all that are no further apart, in the file's unit of length, and of {all} {} {joined} can be used; without it {usable} can",
+            noun(all, "block", "blocks")
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::factor;

@@ -2,6 +2,7 @@
 
 // Longer than 400 lines: one command with all its options and ways to end.
 
+use crate::doubts::tell_of_tolerances;
 use crate::exit::{ExitStatus, Outcome, print_error, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs};
 use crate::input_file::InputFile;
@@ -237,6 +238,7 @@ impl Simulate {
         let shapes = scene.shapes();
         let spec = self.tolerances.spec(scene.tolerances.as_ref())?;
         let set = spec.derive(&shapes, precision).with_context(|| self.tolerances.place(self.scene.path()))?;
+        tell_of_tolerances(&shapes, &set);
         let plan = self.plan(&scene.simulation.control)?;
         if let Some(skips) = self.skips {
             scene.simulation.control.skips = skips;

@@ -1,5 +1,6 @@
 //! `tune`: which tolerances should this model use?
 
+use crate::doubts::tell_of_tolerances;
 use crate::exit::{ExitStatus, Outcome, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, stepper};
 use crate::input_file::InputFile;
@@ -160,6 +161,7 @@ impl Tune {
         let prepare = || UnauditedEvaluator::new(&scene, self.engine, self.seed, steps, self.budget);
         let evaluator = pool.install(prepare).with_context(here)?;
         let author_set = author.derive(&scene.shapes(), self.engine).with_context(here)?;
+        tell_of_tolerances(&scene.shapes(), &author_set);
         let identity = self.identity(&scene, &as_toml(&author_set), evaluator.steps());
         Ok(Prepared { evaluator, author, identity, dir })
     }

@@ -19,6 +19,43 @@ fn examined(place: &Place, name: &str, more: &[&str]) -> (i32, String) {
     (code, out)
 }
 
+/// As of a file in metres whose tolerances are in millimetres. All is done as asked.
+#[test]
+fn tolerances_longer_than_the_model_are_doubted() {
+    let place = Place::new();
+    place.file("cube.toml", CUBE);
+    let commands: [&[&str]; 5] = [
+        &["check", "cube.toml"],
+        &["classify", "cube.toml"],
+        &["simulate", "cube.toml", "--steps", "1", "--out", "run", "--overwrite"],
+        &["examine", "cube.toml", "--no-tune", "--out", "examined", "--overwrite"],
+        &["tune", "cube.toml", "--candidates", "1", "--steps", "1", "--out", "tuned", "--overwrite"],
+    ];
+    for command in commands {
+        let (code, _, err) = place.run(command);
+        assert!(!err.contains("longer than the whole model"), "{command:?}: {err}");
+        let (doubted, _, err) = place.run(&[command, &["--set", "search=147.9"]].concat());
+        let told = "note: search is 147.9 m, longer than the whole model, which is 6 m from corner to corner; tolerances are in metres: 147.9 mm are 0.1479\n";
+        assert_eq!((doubted, err.matches(told).count()), (code, 1), "{command:?}: {err}");
+    }
+}
+
+/// A share of a block's size, taken for a length. Faces that are in one plane stay as they are.
+#[test]
+fn a_planarity_that_any_polygon_meets_is_doubted() {
+    let place = Place::new();
+    place.file("cube.toml", CUBE);
+    for command in [&["check", "cube.toml"][..], &["classify", "cube.toml"], &["convert", "cube.toml", "again.toml"]] {
+        let told = |share: &str| {
+            let (code, _, err) = place.run(&[command, &["--planarity", share]].concat());
+            assert_eq!(code, 0, "{command:?}: {err}");
+            std::fs::remove_file(place.path("again.toml")).ok();
+            err.contains(&format!("note: planarity is {share}, a share of a block's size and no length: "))
+        };
+        assert_eq!(["5", "0.11", "0.1", "1e-3"].map(told), [true, true, false, false], "{command:?}");
+    }
+}
+
 #[test]
 fn steps_that_end_deeper_than_penetration_are_not_called_safe() {
     let place = Place::new();

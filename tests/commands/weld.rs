@@ -28,6 +28,25 @@ fn document(place: &Place, args: &[&str]) -> Value {
     serde_json::from_str(&out).unwrap_or_else(|e| panic!("{args:?}: {e}: {out}{err}"))
 }
 
+/// Blocks that shrink to a point: that is said beside what is left of them, and how many there would be.
+#[test]
+fn what_a_weld_larger_than_the_blocks_makes_of_them_is_said() {
+    let place = Place::new();
+    place.file("cubes.obj", &soup(0.0));
+    for command in [&["check", "cubes.obj"][..], &["classify", "cubes.obj"], &["simulate", "cubes.obj", "--steps", "1"]]
+    {
+        let (code, _, err) = place.run(&[command, &["--weld", "1e9"]].concat());
+        assert!(code == 2 && !err.contains("without it"), "no block can be used without it either: {err}");
+    }
+    place.file("cell.txt", &std::fs::read_to_string("cases/real/voronoi_120.txt").expect("cells"));
+    let options = ["--planarity", "1e-4", "--weld", "1e9"];
+    for command in [&["check", "cell.txt"][..], &["classify", "cell.txt"]] {
+        let (code, _, err) = place.run(&[command, &options].concat());
+        let told = "note: --weld 1000000000 made one vertex of all that are no further apart, in the file's unit of length, and of 120 blocks 0 can be used; without it 120 can\n";
+        assert_eq!((code, err.matches(told).count()), (2, 1), "{command:?}: {err}");
+    }
+}
+
 #[test]
 fn vertices_are_joined_wherever_a_model_is_read() {
     let place = Place::new();
