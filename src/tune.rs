@@ -14,7 +14,7 @@ use rockproof_model::scene::write_toml;
 use rockproof_model::{Precision, Scene, ToleranceSpec};
 use rockproof_report::latex::latex;
 use rockproof_report::table::{Table, TableCell, counted};
-use rockproof_results::{Start, bounded, digest};
+use rockproof_results::{Owner, Start, bounded, digest};
 use rockproof_tune::distribute::StopCriterion;
 use rockproof_tune::report::{as_toml, markdown, sides, tolerances_file};
 use rockproof_tune::{EvaluatedCandidate, Evaluator, Search, SearchRecord, TuneError, UnauditedEvaluator};
@@ -120,6 +120,8 @@ impl Tune {
         let stop = on_ctrl_c_while_measuring()?;
         let pool = self.pool()?;
         let Prepared { evaluator, author, identity, dir } = self.prepared(&pool)?;
+        // Overlaps of a large model take long.
+        Start::of(self.resume, self.overwrite).refuse_held(&dir, Owner::Tune)?;
         let evaluator = pool.install(|| evaluator.audited());
         let stop = stop.begin();
         self.searched((&evaluator, &author), (&identity, &dir), &stop, |search, enough, commit| {

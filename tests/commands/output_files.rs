@@ -29,6 +29,48 @@ fn shrink_replaces_its_own_case_and_other_files_where_that_is_said() {
     assert_eq!(place.read("scene.toml"), before);
 }
 
+/// Every command that writes a directory of results: what is no directory is named, and nothing is written.
+#[test]
+fn a_directory_whose_name_a_file_has_is_refused_and_the_file_stays() {
+    let place = Place::new();
+    place.file("taken", "mine");
+    place.file(
+        "scene.toml",
+        "[[block]]\nfixed = true\nbox = { min = [0, 0, 0], max = [3, 3, 1] }\n\
+         [[block]]\nbox = { min = [1, 1, 1], max = [2, 2, 2] }\n",
+    );
+    let campaign = "pairs = 16\nfamilies = [\"face_stack\"]\n";
+    place.file("settings.toml", campaign);
+    place.file("gate.toml", &format!("corpus = []\n[campaign]\n{campaign}[[limit]]\ncause = \"defect\"\ncount = 0\n"));
+    let (code, _, err) = place.run(&["campaign", "settings.toml", "--part", "1/1", "--out", "part"]);
+    assert_eq!(code, 0, "{err}");
+    let commands: [&[&str]; 10] = [
+        &["campaign", "settings.toml"],
+        &["campaign", "settings.toml", "--resume"],
+        &["campaign", "--stress"],
+        &["merge", "part"],
+        &["report", "part"],
+        &["gate", "gate.toml"],
+        &["bench", "--error"],
+        &["simulate", "scene.toml", "--steps", "1"],
+        &["simulate", "scene.toml", "--steps", "1", "--resume"],
+        &["tune", "scene.toml", "--candidates", "1", "--resume"],
+    ];
+    let examine: &[&str] = &["examine", "scene.toml", "--overwrite"];
+    let before = fs::read_dir(place.path(".")).expect("a folder").count();
+    for command in commands.into_iter().chain([examine]) {
+        for out in ["taken", "taken/run"] {
+            let (code, printed, err) = place.run(&[command, &["--out", out]].concat());
+            let told =
+                format!("taken is no directory, so no results can be written to {out}; --out DIR writes elsewhere\n");
+            assert!(code == 2 && printed.is_empty() && err.contains(&told), "{command:?}: {code} {printed}{err}");
+            assert!(!err.contains("os error"), "{command:?}: {err}");
+        }
+    }
+    assert_eq!(place.read("taken"), "mine");
+    assert_eq!(fs::read_dir(place.path(".")).expect("a folder").count(), before);
+}
+
 #[test]
 fn a_gate_replaces_its_own_junit_report_alone() {
     let place = Place::new();

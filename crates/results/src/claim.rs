@@ -46,8 +46,9 @@ impl Start {
     /// claims nothing: what is free now may be taken by then.
     ///
     /// # Errors
-    /// When somebody works there, it belongs to another command, or it holds results that were not asked for.
+    /// When it can be no directory, somebody works there, it belongs to another command, or it holds results that were not asked for.
     pub fn refuse_held(self, dir: &Path, owner: Owner) -> Result<(), ResultsError> {
+        refuse_taken(dir)?;
         if !dir.is_dir() || Manifest::read(dir)?.is_none() {
             return Ok(());
         }
@@ -84,5 +85,14 @@ impl Start {
             Some(input) => Err(ResultsError::Input { file: input.to_owned() }),
             None => Ok(()),
         }
+    }
+}
+
+/// Refuses a directory whose name, or that of one that should hold it, is taken by something else.
+pub(crate) fn refuse_taken(dir: &Path) -> Result<(), ResultsError> {
+    let there = dir.ancestors().find(|path| path.symlink_metadata().is_ok());
+    match there.filter(|path| !path.is_dir()) {
+        Some(taken) => Err(ResultsError::NoDirectory { dir: dir.to_owned(), taken: taken.to_owned() }),
+        None => Ok(()),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::atomic::{unfinished, write_atomically};
 use super::bounded_read::has_rows;
-use super::claim::{Claim, Start};
+use super::claim::{Claim, Start, refuse_taken};
 use super::error::ResultsError;
 use super::lock::Lock;
 use super::manifest::{FileKind, MANIFEST, Manifest, Owner};
@@ -29,11 +29,12 @@ impl Directory {
     /// Claims a directory. On [`Start::Overwrite`] what the manifest lists is discarded, and nothing else.
     ///
     /// # Errors
-    /// When somebody works there, it belongs to another command, it holds results that were not asked for, a file that is not ours
+    /// When it can be no directory, somebody works there, it belongs to another command, it holds results that were not asked for, a file that is not ours
     /// has a name that we need, or a folder of ours is a link. Then nothing has been changed.
     pub fn claim(claim: Claim<'_>) -> Result<Directory, ResultsError> {
         let Claim { dir, owner, start, files } = claim;
         let is_new = dir.symlink_metadata().is_err();
+        refuse_taken(dir)?;
         fs::create_dir_all(dir).map_err(ResultsError::at(dir))?;
         let lock = Lock::take(dir, owner)?;
         let mut held = start.held(dir, owner)?;

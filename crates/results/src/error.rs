@@ -33,6 +33,14 @@ pub enum ResultsError {
         /// The command that asks for it.
         owner: Owner,
     },
+    /// There can be no such directory, since its name, or that of one that should hold it, is taken.
+    #[error("{taken} is no directory, so no results can be written to {dir}; --out DIR writes elsewhere")]
+    NoDirectory {
+        /// The directory.
+        dir: PathBuf,
+        /// What has the name: a file, or a link to one or to nothing.
+        taken: PathBuf,
+    },
     /// The directory is to be read, and is not one of the command's.
     #[error(
         "{dir} is no directory of `{}`: {}",

@@ -48,6 +48,23 @@ fn a_manifest_of_files_that_were_never_written_leaves_the_directory_free() {
 }
 
 #[test]
+fn a_name_that_a_file_has_is_no_directory_and_the_file_stays() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let file = dir.path().join("taken");
+    fs::write(&file, "theirs").expect("write");
+    for place in [file.clone(), file.join("run")] {
+        for start in [Start::Fresh, Start::Resume, Start::Overwrite] {
+            let told = format!("taken is no directory, so no results can be written to {}; --out DIR", place.display());
+            let error = claim(&place, start).expect_err("a file").to_string();
+            assert!(error.contains(&told), "{error}");
+            let early = start.refuse_held(&place, Owner::Campaign).expect_err("a file").to_string();
+            assert_eq!(early, error);
+        }
+    }
+    assert_eq!(fs::read(&file).expect("a file"), b"theirs");
+}
+
+#[test]
 fn what_is_not_ours_is_named_and_nothing_changes() {
     let dir = tempfile::tempdir().expect("a folder");
     fs::write(dir.path().join("rows.csv"), "theirs").expect("write");
