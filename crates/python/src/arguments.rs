@@ -1,9 +1,15 @@
 //! Names and options that several functions take.
 
 use crate::InputError;
+use crate::number::kind;
+use num_bigint::BigInt;
 use pyo3::prelude::*;
 use rockproof_model::text::{cut_in_the_middle, excerpt};
 use rockproof_model::{LoadOptions, Precision};
+use std::ops::RangeInclusive;
+
+/// The most worker threads; more of them than cores gain nothing.
+const MAX_THREADS: u64 = 1024;
 
 /// Who classifies, or makes steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,9 +53,50 @@ pub(crate) fn precision(name: &str) -> PyResult<Precision> {
     match name {
         "f64" => Ok(Precision::F64),
         "f32" => Ok(Precision::F32),
-        _ => Err(InputError::new_err(format!("precision is \"{name}\"; allowed are \"f64\" and \"f32\""))),
+        _ => Err(no_precision(&format!("\"{name}\""))),
     }
 }
+
+/// What is said of a precision that is none.
+pub(crate) fn no_precision(found: &str) -> PyErr {
+    InputError::new_err(format!("precision is {found}; allowed are \"f64\" and \"f32\""))
+}
+
+/// A whole number of a range, of any type that Python counts with; `name` is that of the argument, and `allowed` what messages say of the range.
+///
+/// # Errors
+/// `InputError` where it is none, or outside.
+pub(crate) fn whole_number(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    range: RangeInclusive<u64>,
+    allowed: &str,
+) -> PyResult<u64> {
+    let number = value.extract::<BigInt>().ok().and_then(|number| u64::try_from(number).ok());
+    number
+        .filter(|number| range.contains(number))
+        .ok_or_else(|| InputError::new_err(format!("{name} is {}; allowed are {allowed}", shown(value))))
+}
+
+/// A number of worker threads; 0 for one a core.
+///
+/// # Errors
+/// As [`whole_number`].
+pub(crate) fn threads(value: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let allowed = format!("1 to {MAX_THREADS}, and 0 for one a core");
+    Ok(whole_number(value, "threads", 0..=MAX_THREADS, &allowed)? as usize)
+}
+
+/// A value as Python writes it, for messages. Python writes no integer of thousands of digits.
+pub(crate) fn shown(value: &Bound<'_, PyAny>) -> String {
+    match value.repr() {
+        Ok(text) => excerpt(&text.to_string_lossy(), MAX_SHOWN),
+        Err(_) => format!("a value {} that is too long to show", kind(value)),
+    }
+}
+
+/// Characters of a value that are shown.
+const MAX_SHOWN: usize = 60;
 
 /// How a file is read: how far faces may be from planar, how near vertices become one, and what lengths are multiplied by.
 ///

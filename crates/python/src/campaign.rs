@@ -1,7 +1,7 @@
 //! Campaigns, with engines written in Python among the others.
 
 use crate::InputError;
-use crate::arguments::{input_error, load_options, precision};
+use crate::arguments::{input_error, load_options, no_precision, precision, shown, threads, whole_number};
 use crate::block::PyBlock;
 use crate::engine::PythonEngine;
 use crate::signals::interruptible_with;
@@ -29,9 +29,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
-
-/// The most worker threads; more of them than cores gain nothing.
-const MAX_THREADS: usize = 1024;
 
 /// A campaign that is done, as `Results` reads it.
 #[pyclass(frozen, module = "rockproof")]
@@ -97,11 +94,11 @@ impl CampaignRun {
     }
 
     /// The pair of a number.
-    fn pair(&self, py: Python<'_>, index: u64) -> PyResult<ExaminedPair> {
-        let none = || InputError::new_err(format!("there is no pair {index}; there are {}, from 0", self.pairs));
-        if index >= self.pairs {
-            return Err(none());
-        }
+    fn pair(&self, py: Python<'_>, index: &Bound<'_, PyAny>) -> PyResult<ExaminedPair> {
+        let none =
+            || InputError::new_err(format!("there is no pair {}; there are {}, from 0", shown(index), self.pairs));
+        let allowed = 0..=self.pairs.saturating_sub(1);
+        let index = whole_number(index, "index", allowed, "").map_err(|_| none())?;
         let batch = py.detach(|| self.source.batch(index / self.source.batch_len()));
         let subject = batch.into_iter().find(|subject| subject.index == index).ok_or_else(none)?;
         let sets = subject.sets.into_iter().map(|set| {
@@ -157,21 +154,22 @@ fn summary_dict(py: Python<'_>, row: SummaryRow) -> PyResult<Bound<'_, PyDict>> 
     Ok(dict)
 }
 
-/// What a campaign is asked to do; `campaign` in Python says what each means.
+/// What a campaign is asked to do; `campaign` in Python says what each means. Numbers and names are looked at one by one, so that messages name the
+/// argument.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Settings {
-    pairs: u64,
-    seed: u64,
+    pairs: Py<PyAny>,
+    seed: Py<PyAny>,
     families: Vec<String>,
     tolerances: Vec<String>,
     real: Vec<PathBuf>,
     planarity: Option<Py<PyAny>>,
     weld: Option<Py<PyAny>>,
     scale: Option<Py<PyAny>>,
-    metamorphic_every: u64,
-    threads: usize,
-    precision: String,
+    metamorphic_every: Py<PyAny>,
+    threads: Py<PyAny>,
+    precision: Py<PyAny>,
 }
 
 /// Runs a campaign. `engines` are names and pairs of a name and a function; `line` writes a function's answer as a line of the protocol.
@@ -186,16 +184,18 @@ pub(crate) fn run_campaign(
     settings: Settings,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<CampaignRun> {
-    let calculated = precision(&settings.precision)?;
-    if settings.pairs == 0 {
-        return Err(InputError::new_err("pairs is 0; allowed are 1 and more"));
-    }
-    if settings.threads > MAX_THREADS {
-        return Err(InputError::new_err(format!(
-            "threads is {}; allowed are 1 to {MAX_THREADS}, and 0 for one a core",
-            settings.threads
-        )));
-    }
+    let calculated = settings.precision.bind(py);
+    let calculated = match calculated.cast::<PyString>() {
+        Ok(name) => precision(&name.to_cow()?)?,
+        Err(_) => return Err(no_precision(&shown(calculated))),
+    };
+    let counted = |value: &Py<PyAny>, name: &str, least: u64| {
+        let allowed = format!("whole numbers from {least} to {}", u64::MAX);
+        whole_number(value.bind(py), name, least..=u64::MAX, &allowed)
+    };
+    let (pairs, seed) = (counted(&settings.pairs, "pairs", 1)?, counted(&settings.seed, "seed", 0)?);
+    let metamorphic_every = counted(&settings.metamorphic_every, "metamorphic_every", 0)?;
+    let threads = threads(settings.threads.bind(py))?;
     for (name, given) in [("planarity", &settings.planarity), ("weld", &settings.weld), ("scale", &settings.scale)] {
         if given.is_some() && settings.real.is_empty() {
             return Err(InputError::new_err(format!("{name} is about the files of `real`, and there are none")));
@@ -205,8 +205,8 @@ pub(crate) fn run_campaign(
     let [planarity, weld, scale] = [&settings.planarity, &settings.weld, &settings.scale].map(bound);
     let LoadOptions { planarity, weld, scale } = load_options(planarity.as_ref(), weld.as_ref(), scale.as_ref())?;
     let mut config = CampaignConfig {
-        pairs: settings.pairs,
-        seed: settings.seed,
+        pairs,
+        seed,
         engines: Vec::new(),
         families: settings.families,
         tolerances: settings.tolerances,
@@ -214,7 +214,7 @@ pub(crate) fn run_campaign(
         planarity,
         weld,
         scale,
-        metamorphic_every: settings.metamorphic_every,
+        metamorphic_every,
         steps_every: 0,
         ..CampaignConfig::default()
     };
@@ -254,7 +254,7 @@ pub(crate) fn run_campaign(
     let examined = interruptible_with(py, tick, |stop| {
         let narrow = |finding: &Finding| builtin::narrowed(all(), &finding.scope, finding.difference.change);
         let (config, source, panel) = (&config, &source, &panel);
-        let campaign = Campaign { config, source, panel, narrow: &narrow, steppers: &[], threads: settings.threads };
+        let campaign = Campaign { config, source, panel, narrow: &narrow, steppers: &[], threads };
         campaign.examine(stop, &seen)
     })?;
     let failed = |why: String| PyRuntimeError::new_err(why);

@@ -1,7 +1,7 @@
 //! `examine`: is a model safe?
 
 use crate::InputError;
-use crate::arguments::{input_error, precision};
+use crate::arguments::{input_error, precision, threads, whole_number};
 use crate::check::{Overlap, Violation};
 use crate::model::Model;
 use crate::signals::interruptible_with;
@@ -16,8 +16,6 @@ use rockproof_report::table::{Table, TableCell};
 use rockproof_results::{Claim, Directory, FileKind, Owner, ResultsError, Start};
 use std::path::{Path, PathBuf};
 
-/// The most worker threads; more of them than cores gain nothing.
-const MAX_THREADS: usize = 1024;
 /// The most tolerance sets tried.
 const MAX_CANDIDATES: u32 = 10_000;
 /// The file that a model made in Python is written to.
@@ -178,22 +176,17 @@ pub(crate) fn run_examination(
     model: &Model,
     tolerances: Option<&Bound<'_, PyAny>>,
     precision: &str,
-    steps: Option<u64>,
-    candidates: u32,
-    threads: usize,
+    steps: Option<&Bound<'_, PyAny>>,
+    candidates: &Bound<'_, PyAny>,
+    threads: &Bound<'_, PyAny>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<ExaminationRun> {
     let precision = self::precision(precision)?;
-    if candidates > MAX_CANDIDATES {
-        return Err(InputError::new_err(format!(
-            "candidates is {candidates}; allowed are 1 to {MAX_CANDIDATES}, and 0 for no search"
-        )));
-    }
-    if threads > MAX_THREADS {
-        return Err(InputError::new_err(format!(
-            "threads is {threads}; allowed are 1 to {MAX_THREADS}, and 0 for one a core"
-        )));
-    }
+    let allowed = format!("whole numbers from 0 to {}, and None for as many as suit the model", u64::MAX);
+    let steps = steps.map(|steps| whole_number(steps, "steps", 0..=u64::MAX, &allowed)).transpose()?;
+    let allowed = format!("1 to {MAX_CANDIDATES}, and 0 for no search");
+    let candidates = whole_number(candidates, "candidates", 0..=MAX_CANDIDATES.into(), &allowed)? as u32;
+    let threads = self::threads(threads)?;
     let spec = spec_of(tolerances, model.scene.tolerances.as_ref())?;
     let given = tolerances.map_or(String::new(), |_| lib::setting(&spec));
     let settings = lib::Settings { steps, candidates, threads };

@@ -1,7 +1,7 @@
 //! Models: blocks of a file, or made in Python.
 
 use crate::InputError;
-use crate::arguments::{Arithmetic, input_error, load_options};
+use crate::arguments::{Arithmetic, input_error, load_options, shown, whole_number};
 use crate::block::PyBlock;
 use crate::contacts::{PairContacts, PreparedBlocks, PyContact};
 use crate::signals::interruptible;
@@ -76,9 +76,10 @@ impl Model {
         py: Python<'_>,
         tolerances: Option<&Bound<'_, PyAny>>,
         engine: &str,
-        pair: Option<(usize, usize)>,
+        pair: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<PairContacts>> {
         let engine = Arithmetic::named(engine, "engine")?;
+        let pair = pair.map(numbers_of_two).transpose()?;
         let spec = spec_of(tolerances, self.scene.tolerances.as_ref())?;
         let found = interruptible(py, |stop| self.contacts(&spec, engine, pair, stop))??;
         let touching = found.into_iter().filter(|(_, contacts)| !contacts.is_empty());
@@ -102,6 +103,14 @@ impl Model {
         let from = self.path.as_ref().map_or(String::new(), |path| format!(" of {}", path.display()));
         format!("<Model: {} blocks{from}>", self.scene.blocks.len())
     }
+}
+
+/// The numbers of two blocks. One beyond all numbers of blocks is told as one that there is not.
+fn numbers_of_two(pair: &Bound<'_, PyAny>) -> PyResult<(usize, usize)> {
+    let refuse = || InputError::new_err(format!("pair is {}; allowed are two numbers of blocks, from 0", shown(pair)));
+    let (i, j): (Bound<'_, PyAny>, Bound<'_, PyAny>) = pair.extract().map_err(|_| refuse())?;
+    let number = |value| whole_number(value, "pair", 0..=u32::MAX.into(), "").map_err(|_| refuse());
+    Ok((number(&i)? as usize, number(&j)? as usize))
 }
 
 /// Two blocks, by their numbers, and their contacts.

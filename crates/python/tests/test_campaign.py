@@ -59,6 +59,9 @@ def test_a_planted_mistake_is_found_and_its_pair_shows_it():
     tolerances = pair.tolerances[lost["tolerances"]]["f64"]
     true = rockproof.classify(pair.a.rounded("f64"), pair.b.rounded("f64"), tolerances)
     assert lost["kind_before"] == true[-1].kind and pair.index == lost["index"] and pair.family == "face_stack"
+    for number in [-1, 2**70, "first"]:
+        with pytest.raises(InputError, match="there is no pair .*; there are 128, from 0"):
+            found.pair(number)
     with pytest.raises(InputError, match="there is no pair 128; there are 128"):
         found.pair(128)
 
@@ -126,6 +129,27 @@ def test_settings_that_mean_nothing_are_refused():
     ]:
         with pytest.raises(InputError, match=told):
             rockproof.campaign("f64", **settings)
+    whole = "; allowed are whole numbers from 0 to 18446744073709551615$"
+    for settings, told in [
+        ({"pairs": 2.5}, "^pairs is 2.5; allowed are whole numbers from 1 to 18446744073709551615$"),
+        ({"pairs": -1}, "^pairs is -1; allowed are whole numbers from 1 to "),
+        ({"pairs": 2**64}, "^pairs is 18446744073709551616; allowed are whole numbers from 1 to "),
+        ({"pairs": 10**5000}, "^pairs is a value of type int that is too long to show; allowed are "),
+        ({"seed": "one"}, "^seed is 'one'" + whole),
+        ({"seed": -1}, "^seed is -1" + whole),
+        ({"metamorphic_every": None}, "^metamorphic_every is None" + whole),
+        ({"threads": -1}, "^threads is -1; allowed are 1 to 1024, and 0 for one a core$"),
+        ({"precision": 64}, '^precision is 64; allowed are "f64" and "f32"$'),
+        ({"families": 5}, "^families is 5; allowed are a name and a sequence of names$"),
+        ({"families": ["face_stack", 5]}, "^families is ..face_stack., 5.; allowed are a name"),
+        ({"tolerances": [None]}, "^tolerances is .None.; allowed are a name"),
+        ({"real": 5}, "^real is 5; allowed are a name"),
+    ]:
+        with pytest.raises(InputError, match=told):
+            rockproof.campaign("f64", **settings)
+    for engine in [5, [5], {"mine": 5}, {5: exact}, None]:
+        with pytest.raises(InputError, match='^engine is .*; allowed are "f32", "f64", a function'):
+            rockproof.campaign(engine)
     with pytest.raises(InputError, match='engine "nobody" does not exist'):
         rockproof.campaign("nobody")
     for name in ["f32", "any", "stepper-f64", "two words", "_mine", ""]:

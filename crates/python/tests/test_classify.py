@@ -122,5 +122,8 @@ def test_what_rounding_destroys_is_named():
         rockproof.classify(thin, UNIT, engine="f32")
     with pytest.raises(InputError, match='engine is "f16"; allowed are'):
         rockproof.classify(thin, UNIT, engine="f16")
+    for pair in [(0, -1), (0, 2**70), (0, 0.5), 5, (0, 1, 2)]:
+        with pytest.raises(InputError, match=r"^pair is .*; allowed are two numbers of blocks, from 0$"):
+            rockproof.Model([thin, UNIT]).classify(pair=pair)
     with pytest.raises(InputError, match="pair names block 5; there are 2"):
         rockproof.Model([thin, UNIT]).classify(pair=(0, 5))

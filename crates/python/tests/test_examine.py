@@ -94,6 +94,14 @@ def test_what_cannot_be_examined_is_named():
     for wrong, word in [({"precision": "f16"}, "precision"), ({"candidates": 10_001}, "candidates"), ({"threads": 9999}, "threads")]:
         with pytest.raises(InputError, match=word):
             rockproof.examine(Model([FLOOR, CUBE]), **wrong)
+    for wrong, told in [
+        ({"steps": -1}, "^steps is -1; allowed are whole numbers from 0 to 18446744073709551615, and None for as many as suit the model$"),
+        ({"steps": 2**70}, "^steps is 1180591620717411303424; "),
+        ({"candidates": 2**40}, "^candidates is 1099511627776; allowed are 1 to 10000, and 0 for no search$"),
+        ({"threads": 0.5}, "^threads is 0.5; allowed are 1 to 1024, and 0 for one a core$"),
+    ]:
+        with pytest.raises(InputError, match=told):
+            rockproof.examine(Model([FLOOR, CUBE]), **wrong)
 
 
 def test_ctrl_c_and_progress_end_it():

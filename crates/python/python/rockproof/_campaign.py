@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import numbers
 import os
+import reprlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
@@ -64,7 +65,7 @@ class Results:
 
         Raises InputError where there is no such pair.
         """
-        return self._run.pair(of if isinstance(of, int) else of["index"])
+        return self._run.pair(of["index"] if isinstance(of, Mapping) else of)
 
     def to_pandas(self, table: str = "findings") -> pandas.DataFrame:
         """The "findings" or the "summary" as a pandas DataFrame; needs pandas."""
@@ -128,9 +129,9 @@ def campaign(
     settings = {
         "pairs": pairs,
         "seed": seed,
-        "families": _list(families),
-        "tolerances": _list(tolerances),
-        "real": [os.fspath(path) for path in _list(real)],
+        "families": _names("families", families),
+        "tolerances": _names("tolerances", tolerances),
+        "real": _names("real", real),
         "planarity": planarity,
         "weld": weld,
         "scale": scale,
@@ -146,16 +147,25 @@ def families() -> dict[str, str]:
     return dict(_native.families())
 
 
-def _list(value: Any) -> list[Any]:
-    return [value] if isinstance(value, (str, os.PathLike)) else list(value)
+def _names(argument: str, value: Any) -> list[str]:
+    """One name or path, or some, as texts."""
+    names = [value] if isinstance(value, (str, os.PathLike)) else list(value) if isinstance(value, Iterable) else [None]
+    if not all(isinstance(name, (str, os.PathLike)) for name in names):
+        raise _native.InputError(f"{argument} is {reprlib.repr(value)}; allowed are a name and a sequence of names")
+    return [os.fspath(name) for name in names]
 
 
 def _engines(engine: EngineArgument) -> list[str | tuple[str, Function]]:
     if isinstance(engine, Mapping):
-        return list(engine.items())
-    if isinstance(engine, str) or callable(engine):
-        engine = [engine]
-    return [one if isinstance(one, str) else (_name(one), one) for one in engine]
+        engines: list[Any] = list(engine.items())
+    else:
+        several = isinstance(engine, Iterable) and not isinstance(engine, str) and not callable(engine)
+        engines = [one if isinstance(one, str) else (_name(one), one) for one in (engine if several else [engine])]
+    if not all(isinstance(one, str) or (isinstance(one[0], str) and callable(one[1])) for one in engines):
+        raise _native.InputError(
+            f'engine is {reprlib.repr(engine)}; allowed are "f32", "f64", a function, a dict of functions by name, and a sequence of names and functions'
+        )
+    return engines
 
 
 def _name(function: Function) -> str:
