@@ -159,6 +159,10 @@ fn an_exact_run_says_what_it_keeps() {
         let (code, said) = place.simulate("grid", &["--engine", "exact", "--steps", "1", "--grid-exponent", exponent]);
         assert!(code == 2 && said.contains("is not in 64..=16384"), "{said}");
     }
+    // The exact side calculates in no more bits than 4,096.
+    let (code, said) = place.simulate("fine", &["--engine", "exact", "--steps", "1", "--grid-exponent", "8000"]);
+    let told = "4,096 bits do not tell where the new positions are on a grid of 2^-8000 m: a coarser grid";
+    assert!(code == 1 && said.contains(told), "{code} {said}");
     // Of a run without exact steps they would say nothing.
     for options in [&["--fractions"][..], &["--grid-exponent", "100"], &["--lockstep", "--fractions"]] {
         let (code, said) = place.simulate("stepper", &[&["--steps", "1"], options].concat());

@@ -32,7 +32,7 @@ pub(crate) fn step(bytes: &[u8], reach: &mut Reach) {
         }
         let (certified, exact) = match (certified, exact) {
             (Ok(certified), Ok(exact)) => (certified, exact),
-            (_, Err(StepFailure::NotKept)) => return reach.count("not-kept"),
+            (_, Err(StepFailure::NotKept { .. })) => return reach.count("not-kept"),
             (Err(one), Err(other)) => {
                 assert_eq!(one, other, "certified (left), in fractions (right): {input:?}");
                 return reach.count(format!("failure-{}", Reach::variant(&one)));
@@ -136,7 +136,7 @@ fn in_512_bits(scene: &ExactScene, exact: &Result<StepAnswer, StepFailure>, reac
             assert!(differences.is_empty(), "oracle, 512 bits: {differences:?}: {scene:?}");
             reach.count("wide-settled");
         }
-        (Err(StepFailure::NotKept), _) => reach.count("wide-not-kept"),
+        (Err(StepFailure::NotKept { .. }), _) => reach.count("wide-not-kept"),
         (Err(_), Err(_)) => reach.count("wide-failure"),
         (one, other) => panic!("oracle {:?}, 512 bits {:?}: {scene:?}", one.as_ref().err(), other.err()),
     }

@@ -1,7 +1,7 @@
 //! What a step is told, and what it answers.
 
-use super::cascade::StepLevelCounts;
-use super::state::{Mode, State};
+use super::cascade::{EXACT_UNKNOWNS, StepLevelCounts};
+use super::state::{KeptPrecision, Mode, State};
 use crate::LevelCounts;
 use num_rational::BigRational;
 use rockproof_model::simulation::{Body, Simulation};
@@ -129,8 +129,11 @@ pub enum StepFailure {
         /// The block.
         block: usize,
     },
-    /// The new state cannot be kept as asked: not in fractions, or not to the grid within 4,096 bits.
-    NotKept,
+    /// The new state cannot be kept as asked: as fractions, where it is none, or on the grid, within 4,096 bits.
+    NotKept {
+        /// How it should be kept.
+        keep: KeptPrecision,
+    },
 }
 
 impl fmt::Display for StepFailure {
@@ -144,7 +147,14 @@ impl fmt::Display for StepFailure {
             }
             StepFailure::TooFast { block, .. } => write!(f, "block {block} exceeds a limit at the smallest time step"),
             StepFailure::Inverted { block } => write!(f, "block {block} is inverted: its volume is not positive"),
-            StepFailure::NotKept => write!(f, "the new state cannot be kept as asked"),
+            StepFailure::NotKept { keep: KeptPrecision::Exact } => write!(
+                f,
+                "the new positions cannot be had as fractions: the friction of a sliding contact is a square root that is none, or closed contacts tie blocks of more than {EXACT_UNKNOWNS} unknowns together; without --fractions positions are kept on a grid"
+            ),
+            StepFailure::NotKept { keep: KeptPrecision::Grid { exponent } } => write!(
+                f,
+                "4,096 bits do not tell where the new positions are on a grid of 2^-{exponent} m: a coarser grid (a smaller --grid-exponent) may do, or stiffnesses and masses that are less far apart, whose system is less near to singular"
+            ),
         }
     }
 }

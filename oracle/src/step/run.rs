@@ -122,7 +122,7 @@ pub fn exact_step_with(
 
 fn made(prepared: PreparedStep<'_>, keep: KeptPrecision) -> Result<StepAnswer, StepFailure> {
     let mut answer = attempts(&prepared, |mut cascade, attempt, iterated, retries| {
-        let (state, gaps) = kept(&mut cascade, attempt, &iterated.after, keep).ok_or(StepFailure::NotKept)?;
+        let (state, gaps) = kept(&mut cascade, attempt, &iterated.after, keep).ok_or(StepFailure::NotKept { keep })?;
         Ok(StepAnswer {
             contacts: Vec::new(),
             iterations: cascade.modes().len() as u32,

@@ -304,7 +304,10 @@ fn irrational_friction_is_enclosed() {
         let scene = diagonal(kinematics);
         let shapes: Vec<&Block> = scene.blocks.iter().collect();
         let model = scene.model(&shapes);
-        assert_eq!(exact_step(&model, &scene.start(), KeptPrecision::Exact).unwrap_err(), StepFailure::NotKept);
+        let failure = exact_step(&model, &scene.start(), KeptPrecision::Exact).unwrap_err();
+        assert_eq!(failure, StepFailure::NotKept { keep: KeptPrecision::Exact });
+        let told = failure.to_string();
+        assert!(told.contains("cannot be had as fractions: ") && told.contains("without --fractions"), "{told}");
         let mut kept = [60u32, 90, 200, 600].map(|exponent| (exponent, scene.start()));
         let mut modes = Vec::new();
         for step in 0..3 {
