@@ -1,5 +1,6 @@
 //! Blocks, and models of several.
 
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{BlockOptions, LoadOptions, Number, Scene, SceneBlock, Vec3};
 use std::path::Path;
 
@@ -42,6 +43,18 @@ fn given(value: f64, what: &str) -> Result<Option<Number>, String> {
     Number::from_f64(value).map(Some).map_err(|error| format!("{what}: {error}"))
 }
 
+/// A factor of lengths.
+fn factor(text: &str) -> Result<Number, String> {
+    let number = Number::parse(text).map_err(|error| format!("scale: {error}"))?;
+    if number.is_negative() || number.is_zero() {
+        return Err(format!(
+            "scale is {}; allowed is a number above 0, as \"1/1000\" for a file in millimetres",
+            excerpt(text, EXCERPT_LENGTH)
+        ));
+    }
+    Ok(number)
+}
+
 impl Block {
     pub(crate) fn new(block: rockproof_model::Block) -> Block {
         let near = |v: &rockproof_model::Point| {
@@ -79,9 +92,9 @@ impl Block {
 }
 
 impl Model {
-    pub(crate) fn load(path: &str, planarity: f64, weld: f64) -> Result<Model, String> {
-        let options =
-            LoadOptions { planarity: given(planarity, "planarity")?, weld: given(weld, "weld")?, scale: None };
+    pub(crate) fn load(path: &str, planarity: f64, weld: f64, scale: Option<&str>) -> Result<Model, String> {
+        let scale = scale.map(factor).transpose()?;
+        let options = LoadOptions { planarity: given(planarity, "planarity")?, weld: given(weld, "weld")?, scale };
         Scene::load_with(Path::new(path), &options).map(Model).map_err(|error| error.to_string())
     }
 

@@ -183,7 +183,26 @@ pub unsafe extern "C" fn rockproof_model_load(path: *const c_char, planarity: f6
     guarded(|| {
         // SAFETY: the caller answers for the text and its end.
         let path = unsafe { str_of(path, "path") }?;
-        Model::load(path, planarity, weld).map(Box::new)
+        Model::load(path, planarity, weld, None).map(Box::new)
+    })
+}
+
+/// As `rockproof_model_load`, with every length multiplied by `scale` after vertices are joined, exactly: "1/1000" for a file in
+/// millimetres. Null, too, if that is no number above 0, or not 1 for a scene in TOML, which is in metres.
+///
+/// # Safety
+/// `path` and `scale` end with a zero byte.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rockproof_model_load_scaled(
+    path: *const c_char,
+    planarity: f64,
+    weld: f64,
+    scale: *const c_char,
+) -> Option<Box<Model>> {
+    guarded(|| {
+        // SAFETY: the caller answers for both texts and their ends.
+        let (path, scale) = unsafe { (str_of(path, "path")?, str_of(scale, "scale")?) };
+        Model::load(path, planarity, weld, Some(scale)).map(Box::new)
     })
 }
 

@@ -51,6 +51,17 @@ int main(void) {
     said("no file", rockproof_model_load("nothing.stl", -1, -1) == NULL, "nothing.stl:");
     said("no path", rockproof_model_load(NULL, -1, -1) == NULL, "path is null");
     said("no text", rockproof_model_load("\xff.stl", -1, -1) == NULL, "UTF-8");
+    FILE *file = fopen("millimetres.obj", "w");
+    fputs("v 0 0 0\nv 1000 0 0\nv 0 1000 0\nv 0 0 1000\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", file);
+    fclose(file);
+    RockproofModel *model = rockproof_model_load_scaled("millimetres.obj", -1, -1, "1/1000");
+    RockproofBlock *scaled = rockproof_model_block(model, 0);
+    holds("a file in millimetres", fabs(rockproof_block_volume(scaled) - 1.0 / 6) < 1e-16);
+    rockproof_block_free(scaled);
+    rockproof_model_free(model);
+    said("no scale", rockproof_model_load_scaled("millimetres.obj", -1, -1, NULL) == NULL, "scale is null");
+    said("a scale that is 0", rockproof_model_load_scaled("millimetres.obj", -1, -1, "0") == NULL, "scale is 0; allowed is");
+    said("a scale that is none", rockproof_model_load_scaled("millimetres.obj", -1, -1, "mm") == NULL, "scale: ");
     said("no model", rockproof_model_block(NULL, 0) == NULL, "model is null");
     said("no preset", rockproof_tolerances_new("strict") == NULL, "strict");
     RockproofTolerances *tolerances = rockproof_tolerances_new("zero");

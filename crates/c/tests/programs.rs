@@ -65,7 +65,10 @@ fn the_lines_of_the_page_run() {
 fn what_c_does_wrong_is_answered() {
     let folder = tempfile::tempdir().expect("a folder");
     let program = compiled("cc", "-std=c11", &root().join("crates/c/tests/boundary.c"), folder.path());
-    assert_eq!(run(&mut Command::new(program)), concat!("rockproof ", env!("CARGO_PKG_VERSION"), ": good\n"));
+    assert_eq!(
+        run(Command::new(program).current_dir(&folder)),
+        concat!("rockproof ", env!("CARGO_PKG_VERSION"), ": good\n")
+    );
 }
 
 #[test]
