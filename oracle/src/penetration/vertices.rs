@@ -9,8 +9,8 @@
 //! 2. the middles of edges between crossings: where an edge passes through faces of the other block it is cut, and the
 //!    middle of each part is looked at. A crossing itself is on both surfaces and so no depth; the stretch of the edge
 //!    between two crossings is what is inside, and its middle, a rational point, stands for it;
-//! 3. the same of the diagonals by which faces of four vertices and more are cut into triangles: faces bent by rounding are passed through
-//!    by nothing else where both blocks have all their vertices.
+//! 3. the same of the diagonals by which faces of four vertices and more are cut into triangles, as far as these are on the face: faces bent by
+//!    rounding are passed through by nothing else where both blocks have all their vertices.
 //!
 //! Blocks overlap without these where their surfaces coincide, as those of two equal blocks do; and where surfaces nearly coincide, these are next to
 //! the surface, however deep the blocks overlap. So where they are [`SHALLOW`] or none, the deepest is looked for among them and
@@ -59,10 +59,8 @@ pub(super) fn deepest_point(pair: &LatticePair<'_>) -> Option<Penetration> {
         Some(best) if !surfaces.iter().any(|surface| best.nearest.is_within(&surface.bounds, SHALLOW)) => Some(best),
         None if !interiors_meet(pair) => None,
         best => {
-            let diagonals = |side: usize| {
-                middles_between_crossings(&surfaces[side], &surfaces[1 - side], diagonals(pair.blocks[side]))
-            };
-            let best = best.or_else(|| deepest_of(&surfaces, diagonals));
+            let on_diagonals = |side: usize| middles_on_diagonals(&surfaces[side], &surfaces[1 - side]);
+            let best = best.or_else(|| deepest_of(&surfaces, on_diagonals));
             let middles = common_cells::middles(pair.blocks);
             let middles = middles.into_iter().filter_map(|middle| Some(Fraction::of(&pair.in_units(middle)?)));
             deepest_common(&surfaces, best, middles).or_else(|| {
@@ -116,10 +114,15 @@ fn edges(block: &Block) -> Vec<[VertexId; 2]> {
     block.topology().edges().iter().map(|edge| [edge.p, edge.q]).collect()
 }
 
-/// The ends of the diagonals by which its faces are cut into triangles.
-fn diagonals(block: &Block) -> Vec<[VertexId; 2]> {
-    let of_face = |face: &Vec<VertexId>| (2..face.len() - 1).map(|k| [face[0], face[k]]).collect::<Vec<_>>();
-    block.topology().faces().iter().flat_map(of_face).collect()
+/// The middles between crossings of the diagonals by which a block's faces are cut into triangles, where they are on the face: of a face that is not
+/// convex diagonals leave it, and are no part of the block there.
+fn middles_on_diagonals(of: &LatticeSurface<'_>, other: &LatticeSurface<'_>) -> Vec<Fraction> {
+    let on_face = |(number, corners): (usize, &Vec<VertexId>)| {
+        let diagonals = (2..corners.len() - 1).map(|k| [corners[0], corners[k]]).collect();
+        let middles = middles_between_crossings(of, other, diagonals).into_iter();
+        middles.filter(|middle| of.is_over_face(middle, number)).collect::<Vec<_>>()
+    };
+    of.block.topology().faces().iter().enumerate().flat_map(on_face).collect()
 }
 
 /// The middles of what two of the blocks' convex cells share.

@@ -133,6 +133,25 @@ fn triangles_that_reach_out_of_a_bent_face_enclose_nothing() {
     }
 }
 
+/// The end faces of an L are cut into triangles from the end of one arm, so a diagonal passes through the notch, where a cube lies half a metre away.
+#[test]
+fn a_diagonal_that_leaves_its_face_is_no_part_of_the_block() {
+    let profile = [[4, 2], [2, 2], [2, 4], [0, 4], [0, 0], [4, 0]];
+    let level = |y: i32| profile.iter().map(move |[x, z]| Vec3::new(*x, y, *z).map(|&c| Number::from_integer(c)));
+    let sides: Vec<[u32; 4]> = (0..6).map(|k| [k, k + 6, (k + 1) % 6 + 6, (k + 1) % 6]).collect();
+    let mut faces: Vec<&[u32]> = vec![&[0, 1, 2, 3, 4, 5], &[11, 10, 9, 8, 7, 6]];
+    faces.extend(sides.iter().map(<[u32; 4]>::as_slice));
+    let l_shape = block(level(0).chain(level(3)).collect(), &faces);
+    let corner = |c: i32, y: i32| Vec3::new(number_of(c, 2), number_of(y, 2), number_of(c, 2));
+    let cube = Block::cuboid(&corner(5, -1), &corner(7, 1)).unwrap();
+    let mut random = Random(21);
+    for _ in 0..60 {
+        let one = rounded(&l_shape, [0.0; 3], 1e-15, &mut random);
+        let found = depth_m(&one, &rounded(&cube, [0.0; 3], 0.0, &mut random));
+        assert!(found < 1e-14, "{found}");
+    }
+}
+
 #[test]
 fn a_shallow_vertex_hides_no_deep_overlap() {
     // Equal steps, one 1 mm to the side of the other, as they lie: vertices are 1 mm inside at the most, what they share is 2 wide.

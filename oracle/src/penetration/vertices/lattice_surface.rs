@@ -123,6 +123,13 @@ impl<'p> LatticeSurface<'p> {
         Some(nearest.on_coarser_lattice(&point.denominator))
     }
 
+    /// Whether a point, seen along a face's normal, is on the face or its boundary; **over a face without an area none is**.
+    pub(super) fn is_over_face(&self, point: &Fraction, face: usize) -> bool {
+        let (n, corners) = (self.normal(face), &self.block.topology().faces()[face]);
+        let ways: Vec<_> = corners.iter().map(|v| point.way_to(&self.points[v.index()])).collect();
+        !Zero::is_zero(&n.norm_squared()) && projects_inside(n, &ways)
+    }
+
     /// The foot on a face's plane, where it is inside the polygon or on its boundary, in units finer by the point's
     /// denominator.
     fn to_face(&self, point: &Fraction, face: usize) -> Option<NearestPoint> {

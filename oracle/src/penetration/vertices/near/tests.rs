@@ -100,6 +100,10 @@ fn a_point_is_inside_or_outside_where_f64_says_so() {
         }
     });
     assert!(inside > 200 && outside > 2_000 && open > 2_000, "{inside} inside, {outside} outside, {open} open");
+    assert!(
+        open_inside * 5 > open && open_inside * 2 < open,
+        "of {open} that f64 leaves open {open_inside} are inside"
+    );
 }
 
 #[test]
@@ -119,7 +123,11 @@ fn the_nearest_feature_is_among_those_that_f64_leaves() {
                 let parts = |p: &NearestPoint| (p.numerator.clone(), p.denominator.clone(), p.way.clone());
                 assert_eq!(parts(&one), parts(&two), "{few:?}");
                 let square = view.square(&one.numerator, &one.denominator);
-                assert!(square.least <= most_squared, "{few:?}");
+                if let Some(most) = BigRational::from_float(most_squared) {
+                    let unit = BigRational::from_integer(BigInt::from(1) << (2 * view.shift));
+                    let exact = BigRational::new(one.numerator.clone(), one.denominator.clone()) / unit;
+                    assert!(exact <= most, "{few:?}");
+                }
                 close += usize::from(most_squared * (1.0 - 1e-9) <= square.most);
                 points_asked += 1;
                 left += few.len();
