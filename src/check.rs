@@ -1,6 +1,6 @@
 //! `check`: are the blocks blocks, and do the tolerances keep the rules?
 
-use crate::doubts::tell_of_tolerances;
+use crate::doubts::{THIN, tell_of_pull, tell_of_tolerances};
 use crate::exit::{ExitStatus, Outcome, print, print_error, print_note};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, precision};
 use crate::input_file::{InputFile, ModelFile};
@@ -123,6 +123,7 @@ impl ModelArgs {
         let place = || self.tolerances.place(self.file.path());
         let set = spec.derive(&scene.shapes(), precision).with_context(place)?;
         tell_of_tolerances(&scene.shapes(), &set);
+        tell_of_pull(&scene, &set);
         let path = self.file.path().to_path_buf();
         let checked = CheckedModel::new((path, Some(file.format())), scene, (spec, set), precision);
         let mut model = checked.map_err(|error| match error {
@@ -293,7 +294,7 @@ fn warning_of_bare_edges(bare: &[BareEdge], scene: &Scene) -> String {
 fn warning_of_thin(thin: &Thin) -> String {
     let Thin { block, thickness, penetration, remedy } = thin;
     format!(
-        "\nwarning: a block may be passed through, or lie within another, and count as held\n  penetration ≤ (least thickness of a block)/2\n\
+        "\nwarning: {THIN}\n  penetration ≤ (least thickness of a block)/2\n\
         \x20   found      {penetration:.6e}, allowed {:.6e}, by block {block}, {thickness:.6e} m thick\n\
         \x20   because    no point within it is deeper than that, and the nearest way out may be through the face behind\n\
         \x20   satisfied  by {remedy}\n",

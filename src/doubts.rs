@@ -1,8 +1,11 @@
 //! What of the tolerances and options given can hardly be meant: told beside the answer, which stays as it is.
 
 use crate::exit::print_note;
-use rockproof_examine::short;
-use rockproof_model::{Block, Number, Scene, ToleranceSet};
+use num_traits::ToPrimitive;
+use rockproof_examine::{BareEdge, Overlaps, StoredEnergy, bare_edges, short, unexplained_energy};
+use rockproof_model::simulation::derive_stiffness;
+use rockproof_model::{Block, Number, Scene, ToleranceSet, tolerance_rules};
+use std::sync::atomic::AtomicBool;
 
 /// The lengths of a tolerance set.
 const LENGTHS: [&str; 6] = ["search", "territory", "penetration", "open", "close", "max_displacement"];
@@ -16,6 +19,62 @@ pub(crate) fn tell_of_tolerances(blocks: &[&Block], set: &ToleranceSet) {
         print_note(&doubt);
     }
 }
+
+/// Tells whether closed contacts may pull a block as much as it weighs.
+pub(crate) fn tell_of_pull(scene: &Scene, set: &ToleranceSet) {
+    if let Some(doubt) = pull(scene, set) {
+        print_note(&doubt);
+    }
+}
+
+/// A closed contact opens where its gap is wider than `open`, and pulls with `normal_stiffness` until then. A block lies on three contacts at least.
+fn pull(scene: &Scene, set: &ToleranceSet) -> Option<String> {
+    const CONTACTS: f64 = 3.0;
+    let mut simulation = scene.simulation.clone();
+    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
+    derive_stiffness(&mut simulation, &bodies, set);
+    let stiffness =
+        simulation.joints.all().filter_map(|joint| joint.normal_stiffness.as_ref()).map(Number::approximate);
+    let softest = stiffness.fold(f64::INFINITY, f64::min);
+    let gravity = simulation.gravity.components().map(Number::approximate).into_iter().fold(0.0, f64::hypot);
+    let pull = CONTACTS * softest * set.open.approximate();
+    if gravity == 0.0 || !pull.is_finite() || pull == 0.0 {
+        return None;
+    }
+    let moving = || scene.blocks.iter().enumerate().filter(|(_, block)| !block.body.is_fixed());
+    let weight = |block: &rockproof_model::SceneBlock| {
+        let density = simulation.materials[block.body.material].density.approximate();
+        block.block.volume().to_f64().unwrap_or(f64::INFINITY) * density * gravity
+    };
+    let held = moving().map(|(number, block)| (number, weight(block))).filter(|(_, weight)| *weight <= pull);
+    let held: Vec<(usize, f64)> = held.collect();
+    let (lightest, least) = held.iter().copied().min_by(|one, other| one.1.total_cmp(&other.1))?;
+    let (count, all) = (held.len(), moving().count());
+    Some(format!(
+        "closed contacts may pull: they open where the gap is wider than open, {} m, and three of them pull by {} N until then, no less than the weight of {count} of {all} moving blocks (block {lightest}: {} N), which may hang or stick. \
+         An open of {} m or less pulls none so much{}",
+        short(set.open.approximate()),
+        short(pull),
+        short(least),
+        short(least / (CONTACTS * softest)),
+        if set.open.approximate() > 1e-6 { "; in f64 `auto` has far less" } else { "" }
+    ))
+}
+
+/// Tells what `check` warns of in a model that steps begin with: that of the steps which follow from it, they do not tell.
+pub(crate) fn tell_of_warnings(scene: &Scene, set: &ToleranceSet, overlaps: &Overlaps, check: &str) {
+    let mut titles: Vec<&str> = Vec::new();
+    titles.extend(tolerance_rules::thin(set, &scene.shapes()).map(|_| THIN));
+    titles.extend(tolerance_rules::warnings(set, scene).iter().map(|warning| warning.kind.title()));
+    titles.extend((!unexplained_energy(scene, set, overlaps).is_empty()).then_some(StoredEnergy::TITLE));
+    titles.extend((!bare_edges(scene, set, overlaps, &AtomicBool::new(false)).is_empty()).then_some(BareEdge::TITLE));
+    if !titles.is_empty() {
+        print_note(&format!("`{check}` warns of this model, whatever the steps show: {}", titles.join("; ")));
+    }
+}
+
+/// What `check` warns of where a block is no thicker than twice `penetration`.
+pub(crate) const THIN: &str = "a block may be passed through, or lie within another, and count as held";
 
 fn beyond_the_model(blocks: &[&Block], set: &ToleranceSet) -> Option<String> {
     let reach = |axis: usize| {

@@ -2,7 +2,7 @@
 
 // Longer than 400 lines: one command with all its options and ways to end.
 
-use crate::doubts::tell_of_tolerances;
+use crate::doubts::{tell_of_pull, tell_of_tolerances, tell_of_warnings};
 use crate::exit::{ExitStatus, Outcome, print_error, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs};
 use crate::input_file::InputFile;
@@ -279,6 +279,8 @@ impl Simulate {
             print_note(&format!("running with {rules} violated: {}", violated.join("; ")));
         }
         ignored_of_fixed(&scene).into_iter().chain(unused).for_each(|note| print_note(&note));
+        tell_of_pull(&scene, &set);
+        tell_of_warnings(&scene, &set, &overlaps, &self.check(precision));
         if scene.fixed().into_iter().all(|is_fixed| is_fixed) {
             print_note("every block is fixed, so nothing will move");
         }
@@ -291,6 +293,13 @@ impl Simulate {
             EngineChoice::F32 => self.go::<f32>("f32", ready),
             EngineChoice::Exact => self.exact(&ready),
         }
+    }
+
+    /// The command that checks the same model.
+    fn check(&self, precision: Precision) -> String {
+        let options = self.read.shown() + &self.tolerances.shown();
+        let precision = if precision == Precision::F32 { " --precision f32" } else { "" };
+        format!("rockproof check {}{options}{precision}", self.scene.shown())
     }
 
     /// Fixes the lowest blocks of a model that fixes none, where that is asked for; else says that it will fall.

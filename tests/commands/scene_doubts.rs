@@ -289,3 +289,61 @@ fn the_line_of_f32_says_where_f32_cannot_hold_the_coordinates() {
         assert_eq!((code, line.ends_with(said), line.starts_with("  i ")), (0, is_told, is_told), "{out}");
     }
 }
+
+/// A cube that touches a ceiling falls; where closed contacts pull more than it weighs it hangs, and that is told.
+#[test]
+fn contacts_that_pull_a_block_up_are_told() {
+    let scene = |open: &str, gravity: &str| {
+        format!(
+            "[tolerances]\npreset = \"auto\"\n{open}[simulation]\ngravity = {gravity}\ntime_step = 0.01\nsteps = 2\n[[block]]\nname = \"ceiling\"\nfixed = true\n\
+             box = {{ min = [-2, -2, 0], max = [2, 2, 1] }}\n[[block]]\nname = \"b\"\nbox = {{ min = [-0.5, -0.5, -1], max = [0.5, 0.5, 0] }}\n[[joint]]\nnormal_stiffness = 1e8\n"
+        )
+    };
+    let told = |open: &str, gravity: &str, precision: &str| {
+        let place = Place::new();
+        place.file("scene.toml", &scene(open, gravity));
+        let (_, _, checked) = place.run(&["check", "scene.toml", "--precision", precision]);
+        let engine = format!("stepper-{precision}");
+        let (_, _, made) = place.run(&["simulate", "scene.toml", "--engine", &engine, "--out", "made"]);
+        let note = |text: &str| text.lines().find(|line| line.contains("contacts may pull")).map(str::to_owned);
+        assert_eq!(note(&checked), note(&made));
+        note(&made)
+    };
+    // 26 kN, and three contacts of 1e8 N/m that pull over the gap that f32 cannot tell from none.
+    let (down, none) = ("[0, 0, -10]", "[0, 0, 0]");
+    let note = told("", down, "f32").expect("f32 pulls");
+    assert!(
+        note.contains(" 73242 N until then, no less than the weight of 1 of 1 moving blocks (block 1: 26000 N)"),
+        "{note}"
+    );
+    assert_eq!((told("", down, "f64"), told("", none, "f32")), (None, None));
+    // 26 kN over 3e8 N/m are 8.667e-5 m.
+    assert_eq!(told("open = 8.66e-5\n", down, "f64"), None);
+    let note = told("open = 8.67e-5\n", down, "f64").expect("pulls");
+    assert!(note.contains("An open of 8.667e-5 m or less"), "{note}");
+}
+
+/// A run tells at its begin what `check` warns of, for its end shows only the steps.
+#[test]
+fn a_run_tells_what_check_warns_of() {
+    let place = Place::new();
+    let scene = |low: &str, high: &str, more: &str| {
+        format!(
+            "[simulation]\ngravity = [0, 0, -10]\ntime_step = 0.001\nsteps = 2\n[[block]]\nname = \"floor\"\nfixed = true\nbox = {{ min = [-2, -2, -1], max = [2, 2, 0] }}\n\
+             [[block]]\nname = \"b\"\nbox = {{ min = [0, 0, {low}], max = [1, 1, {high}] }}\n{more}"
+        )
+    };
+    let told = |scene: String| {
+        place.file("a b.toml", &scene);
+        let (_, _, err) = place.run(&["simulate", "a b.toml", "--out", "made", "--overwrite"]);
+        err.lines().find(|line| line.contains("warns of this model")).map(str::to_owned)
+    };
+    let begin = "note: `rockproof check 'a b.toml'` warns of this model, whatever the steps show: ";
+    assert_eq!(told(scene("0", "1", "")), None);
+    let deep = told(scene("-0.006", "0.994", "")).expect("springs that throw");
+    assert_eq!(deep, format!("{begin}springs of overlaps store more than weights explain, and may throw blocks"));
+    let fast = told(scene("0", "1", "velocity = [0, 0, -100]\n")).expect("a fast block");
+    assert_eq!(fast, format!("{begin}a block that moves when time begins may be stopped only deeper than penetration"));
+    let thin = told(scene("0", "0.02", "[tolerances]\npreset = \"auto\"\npenetration = 0.03\n")).expect("a thin block");
+    assert!(thin.starts_with(&format!("{begin}a block may be passed through, or lie within another")), "{thin}");
+}
