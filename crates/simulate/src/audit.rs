@@ -177,13 +177,17 @@ impl AuditTotals {
         if self.finds_fault() {
             parts[0].insert_str(0, "blocks pass through one another: ");
         } else {
-            let none = if self.passages.is_some() { " and no passage" } else { "" };
+            let none = match (self.passages, self.undecided) {
+                (None, _) => "",
+                (_, None | Some(0)) => " and no passage",
+                _ => " and no passage shown",
+            };
             parts.push(format!("no unseen overlap{none} in {} {}", self.steps, noun(self.steps, "step", "steps")));
         }
         if self.steps_deep > 0 && !self.finds_fault() {
             let (deep, all) = (self.steps_deep, self.steps);
             parts.push(format!(
-                "deeper than penetration after {deep} of {all} {}, held only by contacts that were closed before",
+                "deeper than penetration after {deep} of {all} {}, where only contacts that were closed before see it, and push a block on that is beyond the middle of another",
                 noun(all, "step", "steps")
             ));
         }
@@ -241,7 +245,7 @@ mod tests {
         assert!(!totals.finds_fault() && !totals.sentence().contains("deeper than"));
         let mut deep = totals.clone();
         deep.add(3, &StepAudit { is_deep: true, ..held.clone() });
-        let expected = "no unseen overlap and no passage in 4 steps; deeper than penetration after 1 of 4 steps, held only by contacts that were closed before";
+        let expected = "no unseen overlap and no passage in 4 steps; deeper than penetration after 1 of 4 steps, where only contacts that were closed before see it, and push a block on that is beyond the middle of another";
         assert_eq!((deep.verdict().as_str(), deep.finds_fault()), (expected, false));
         assert!(totals.sentence().ends_with("; deepest overlap (worst 0–1, 0.5000 m, step 1)"));
         assert_eq!(totals.deepest_in_words(), "0.5000 m at most, of blocks 0 and 1 in step 1");
