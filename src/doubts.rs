@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 /// The lengths of a tolerance set.
 const LENGTHS: [&str; 6] = ["search", "territory", "penetration", "open", "close", "max_displacement"];
 
-/// A larger share of a block's size takes any polygon for planar.
+/// A larger share of a block's size takes for planar what nobody would.
 const LOOSEST_PLANARITY: f64 = 0.1;
 
 /// Tells which tolerances are longer than the whole model.
@@ -101,7 +101,7 @@ fn beyond_the_model(blocks: &[&Block], set: &ToleranceSet) -> Option<String> {
     ))
 }
 
-/// Tells of blocks whose faces may be anything.
+/// Tells of blocks whose faces may be far from planar.
 pub(crate) fn tell_of_planarity(scene: &Scene) {
     let loosest = scene.blocks.iter().map(|block| &block.planarity).max();
     if let Some(doubt) = loosest.and_then(loose) {
@@ -113,7 +113,7 @@ fn loose(planarity: &Number) -> Option<String> {
     let share = planarity.approximate();
     (share > LOOSEST_PLANARITY).then(|| {
         format!(
-            "planarity is {}, a share of a block's size and no length: with more than {LOOSEST_PLANARITY} any polygon counts as planar, and faces that are not in one plane become one; 1e-3 is enough for what rounding bends",
+            "planarity is {}, a share of a block's size and no length: with more than {LOOSEST_PLANARITY} faces count as planar that are far from it, and neighbours that are not in one plane become one; 1e-3 is enough for what rounding bends",
             short(share)
         )
     })

@@ -145,8 +145,8 @@ pub(crate) struct Simulate {
     #[arg(long, conflicts_with_all = ["lockstep", "resume"])]
     free: bool,
 
-    /// Keep exact coordinates on a grid of 2^-N m, N from 64 to 16384 [default: 2^-256 of the model's size, or the next finer]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=16384))]
+    /// Keep exact coordinates on a grid of 2^-N m, N from 64 to 4095 [default: 2^-256 of the model's size, or the next finer]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=4095))]
     grid_exponent: Option<u32>,
 
     /// Keep exact coordinates as the fractions they are; they grow with every step

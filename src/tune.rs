@@ -93,8 +93,7 @@ pub(crate) struct Prepared {
 }
 
 /// What is told where the model was still measured.
-pub(crate) const MEASURING: &str =
-    "interrupted before the first candidate of this session: nothing is written, and the same command begins anew";
+pub(crate) const MEASURING: &str = "interrupted before the first candidate of this session: nothing is written, and the same command can be given again";
 
 /// What Ctrl-C does; while the model is measured the program ends at once.
 pub(crate) fn on_ctrl_c_while_measuring() -> anyhow::Result<ReadyingStop> {

@@ -607,7 +607,7 @@ fn a_search_that_is_interrupted_before_it_begins_says_so() {
     let ended = search.wait_with_output().expect("an end");
     drop(model);
     let (out, err) = (String::from_utf8_lossy(&ended.stdout), String::from_utf8_lossy(&ended.stderr));
-    let told = "note: interrupted before the first candidate of this session: nothing is written, and the same command begins anew\n";
+    let told = "note: interrupted before the first candidate of this session: nothing is written, and the same command can be given again\n";
     assert_eq!((ended.status.code(), &*out, &*err), (Some(130), "", told));
     assert!(!dir.path().join("found").exists());
 }

@@ -231,6 +231,7 @@ def test_tables_of_pandas_and_polars():
     pandas = pytest.importorskip("pandas")
     table = found.to_pandas()
     assert len(table) == len(found.findings) and list(table.columns) == list(found.findings[0])
+    assert found.pair(table.iloc[0]).index == found.findings[0]["index"]
     summary = found.to_pandas("summary")
     assert summary["findings"].sum() == len(found.findings) and isinstance(summary, pandas.DataFrame)
     polars = pytest.importorskip("polars")

@@ -129,7 +129,7 @@ pub enum StepFailure {
         /// The block.
         block: usize,
     },
-    /// The new state cannot be kept as asked: as fractions, where it is none, or on the grid, within 4,096 bits.
+    /// The new state cannot be kept as asked: as fractions, where a square root has none, or on the grid, within 4,096 bits.
     NotKept {
         /// How it should be kept.
         keep: KeptPrecision,
@@ -149,7 +149,7 @@ impl fmt::Display for StepFailure {
             StepFailure::Inverted { block } => write!(f, "block {block} is inverted: its volume is not positive"),
             StepFailure::NotKept { keep: KeptPrecision::Exact } => write!(
                 f,
-                "the new positions cannot be had as fractions: the friction of a sliding contact is a square root that is none, or closed contacts tie blocks of more than {EXACT_UNKNOWNS} unknowns together; without --fractions positions are kept on a grid"
+                "the new positions cannot be had as fractions: the friction of a sliding contact is the square root of no square, or closed contacts tie blocks of more than {EXACT_UNKNOWNS} unknowns together; without --fractions positions are kept on a grid"
             ),
             StepFailure::NotKept { keep: KeptPrecision::Grid { exponent } } => write!(
                 f,

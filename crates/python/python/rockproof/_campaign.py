@@ -65,7 +65,8 @@ class Results:
 
         Raises InputError where there is no such pair.
         """
-        return self._run.pair(of["index"] if isinstance(of, Mapping) else of)
+        is_row = isinstance(of, Mapping) or hasattr(of, "to_dict")
+        return self._run.pair(of["index"] if is_row else of)
 
     def to_pandas(self, table: str = "findings") -> pandas.DataFrame:
         """The "findings" or the "summary" as a pandas DataFrame; needs pandas."""
