@@ -24,7 +24,8 @@ fn limits_on_what_is_found(pairs: &str) {
     );
     // To make cases smaller would take four times as long as to find them.
     place.file("campaign.toml", "cases_per_cause = 0\n");
-    let campaign = "campaign campaign.toml --steps-every 8 --out run --tolerances auto,shi,zero --pairs";
+    // Seed 4 has overlaps that contacts of the step before do not hold.
+    let campaign = "campaign campaign.toml --seed 4 --steps-every 8 --out run --tolerances auto,shi,zero --pairs";
     let campaign: Vec<&str> = campaign.split(' ').chain([pairs]).collect();
     let mine = ["--engine", "stepper-f32,stepper-f64,mine", "--engine-command", "mine=sh mine.sh"];
     let (code, out, err) = place.run(&[&campaign[..], &mine].concat());
