@@ -215,7 +215,7 @@ pub(crate) fn gate(bytes: &[u8], reach: &mut Reach) {
     read_as("input.toml", bytes, reach, |path| {
         let (text, file) = (text_of(path)?, path.display().to_string());
         let gate = GateConfig::from_toml(&text, &file).map_err(|what| {
-            let kind = if what.starts_with(&format!("{file}: TOML")) { "Toml" } else { "Value" };
+            let kind = if text.parse::<toml::Table>().is_err() { "Toml" } else { "Value" };
             (kind.to_owned(), what)
         })?;
         check_names(&gate.campaign).map_err(|(kind, what)| (kind.to_owned(), format!("{file}: {what}")))
