@@ -143,13 +143,12 @@ impl StateMistake {
     }
 }
 
-/// Whether a number in f32 may be printed so: as it is, or in no more digits than it has.
+/// Whether a number in f32 may be printed so: as it is, or rounded to so many digits or decimals.
 fn is_said_in_single(number: f64) -> bool {
     let single = number as f32;
-    let printed = format!("{number:e}");
-    let digits = printed.split('e').next().map_or(0, |digits| digits.bytes().filter(u8::is_ascii_digit).count());
-    let is_printed = || (1..=9).contains(&digits) && format!("{single:.*e}", digits - 1).parse() == Ok(number);
-    f64::from(single) == number || is_printed()
+    let in_digits = |places: usize| format!("{single:.places$e}").parse() == Ok(number);
+    let in_decimals = |places: usize| format!("{single:.places$}").parse() == Ok(number);
+    f64::from(single) == number || (0..=17).any(|places| in_digits(places) || in_decimals(places))
 }
 
 /// Whether most of these gaps, as said and as they are, differ by one length or by one factor, to what they are said in in f32. A difference no larger
@@ -182,4 +181,22 @@ fn compare_in_single(
     let [a, b] = &asked.question.blocks;
     let blocks = [a.rounded(Precision::F32)?, b.rounded(Precision::F32)?];
     asked.compare_state_of(&blocks, Precision::F32, said)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_said_in_single;
+
+    #[test]
+    fn numbers_in_f32_are_known_however_they_are_printed() {
+        for number in [0.123_456_789_f32, -7.0e-7, 3.0e4 / 7.0, 0.5, 0.0] {
+            for text in [format!("{number}"), format!("{number:.12}"), format!("{number:.3}"), format!("{number:.9e}")]
+            {
+                assert!(is_said_in_single(text.parse().expect("a number")), "{text}");
+            }
+        }
+        for number in [1.0 / 3.0, 0.123_456_789_f64, 3.0e4 / 7.0] {
+            assert!(!is_said_in_single(number), "{number}");
+        }
+    }
 }
