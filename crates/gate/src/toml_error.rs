@@ -6,12 +6,18 @@ use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 /// What is wrong with a text in TOML, whose file is called `file`.
 pub fn toml_error(file: &str, text: &str, error: &toml::de::Error) -> String {
     let place = error.span().map_or(0, |span| span.start);
-    let what = what(error.message(), key_at(text, place));
+    let what = match header_at(text, place).filter(|_| error.message().starts_with("invalid type: map, expected a seq"))
+    {
+        Some(table) => format!("[{table}] is one table; allowed is a list of tables, each below [[{table}]]"),
+        None => what(error.message(), key_at(text, place)),
+    };
     format!("{file} line {}: {}", line_of(text, place), excerpt(&what, EXCERPT_LENGTH * 4))
 }
 
 /// What a message of the reader says, and the key that it is about.
-fn what(message: &str, key: Option<&str>) -> String {
+fn what(message: &str, setting: Option<(&str, &str)>) -> String {
+    let key = setting.map(|(key, _)| key);
+    let named = key.map_or(String::new(), |key| format!("{} is ", excerpt(key, EXCERPT_LENGTH)));
     if let Some((found, allowed)) =
         message.strip_prefix("unknown field `").and_then(|rest| rest.split_once("`, expected "))
     {
@@ -21,11 +27,21 @@ fn what(message: &str, key: Option<&str>) -> String {
     if let Some(key) = message.strip_prefix("missing field `").and_then(|rest| rest.split_once('`')) {
         return format!("{} is not given, and is needed", key.0);
     }
+    if let Some((found, allowed)) =
+        message.strip_prefix("unknown variant `").and_then(|rest| rest.split_once("`, expected "))
+    {
+        let allowed = allowed.strip_prefix("one of ").unwrap_or(allowed).replace('`', "").replace(" or ", ", ");
+        return format!("{named}\"{}\"; allowed are {allowed}", excerpt(found, EXCERPT_LENGTH));
+    }
+    if ["value was too large", "` as i128, expected", "` as u128, expected"].iter().any(|part| message.contains(part)) {
+        return format!("{named}too large, or too small; allowed is a whole number from 0 to {}", i64::MAX);
+    }
     let wrong = ["invalid type: ", "invalid value: "].iter().find_map(|start| message.strip_prefix(start));
     if let Some((found, expected)) = wrong.and_then(|rest| rest.rsplit_once(", expected ")) {
-        let found = found_words(found);
-        let key = key.map_or(String::new(), |key| format!("{} is ", excerpt(key, EXCERPT_LENGTH)));
-        return format!("{key}{}; allowed is {}", excerpt(&found, EXCERPT_LENGTH), allowed_words(expected));
+        // Dates are read as tables.
+        let date = setting.filter(|(_, value)| found == "map" && !value.is_empty() && !value.starts_with(['{', '[']));
+        let found = date.map_or_else(|| found_words(found), |(_, value)| value.to_owned());
+        return format!("{named}{}; allowed is {}", excerpt(&found, EXCERPT_LENGTH), allowed_words(expected));
     }
     match key {
         Some(key) => format!("{}: {message}", excerpt(key, EXCERPT_LENGTH)),
@@ -61,12 +77,31 @@ fn allowed_words(expected: &str) -> String {
     words.to_owned()
 }
 
-/// The key on the line of a place.
-fn key_at(text: &str, place: usize) -> Option<&str> {
+/// The key that a place is about, and what begins behind it: on the line of the place, or above it where its list goes over several lines.
+fn key_at(text: &str, place: usize) -> Option<(&str, &str)> {
+    let end = text.get(place..)?.find('\n').map_or(text.len(), |end| place + end);
+    for line in text.get(..end)?.lines().rev().map(str::trim).filter(|line| !line.starts_with('#')) {
+        if header(line).is_some() {
+            return None;
+        }
+        if let Some((key, value)) =
+            line.split_once('=').filter(|(key, _)| !key.trim().is_empty() && !key.contains([',', '#']))
+        {
+            return Some((key.trim(), value.trim()));
+        }
+    }
+    None
+}
+
+/// The table whose head stands on the line of a place, in single brackets.
+fn header_at(text: &str, place: usize) -> Option<&str> {
     let start = text.get(..place)?.rfind('\n').map_or(0, |end| end + 1);
-    let line = text.get(start..)?.lines().next()?;
-    let key = line.split_once('=')?.0.trim();
-    (!key.is_empty() && !key.starts_with('#')).then_some(key)
+    header(text.get(start..)?.lines().next()?.trim()).filter(|table| !table.starts_with('['))
+}
+
+/// What stands in the brackets of the head of a table.
+fn header(line: &str) -> Option<&str> {
+    line.split_once('#').map_or(line, |(line, _)| line.trim()).strip_prefix('[')?.strip_suffix(']')
 }
 
 /// The line, from 1, of a key of a table, or of the table's head where the key does not stand at the beginning of a line.
@@ -99,6 +134,12 @@ mod tests {
             ("rate = true", "rate is true; allowed is a number"),
             ("cause = 3", "cause is 3; allowed is a text in quotes"),
             ("cause = [\"defect\"]", "cause is a list; allowed is a text in quotes"),
+            ("count = 1979-05-27", "count is 1979-05-27; allowed is a whole number from 0"),
+            ("count = {}", "count is a table; allowed is a whole number from 0"),
+            (
+                "count = 99999999999999999999999",
+                "count is too large, or too small; allowed is a whole number from 0 to 9223372036854775807",
+            ),
         ] {
             assert_eq!(limit(line), format!("gate.toml line 3: {wanted}"));
         }
@@ -109,6 +150,14 @@ mod tests {
         );
         assert_eq!(told("corpus = []\n[baseline]\n"), "gate.toml line 2: file is not given, and is needed");
         assert_eq!(told("corpus = 3\n"), "gate.toml line 1: corpus is 3; allowed is a list in brackets");
+        assert_eq!(
+            told("corpus = []\n[limit]\ncount = 0\n"),
+            "gate.toml line 2: [limit] is one table; allowed is a list of tables, each below [[limit]]"
+        );
+        let over_lines = told("corpus = [\n\"a\", # = 1\n3,\n]\n");
+        assert_eq!(over_lines, "gate.toml line 3: corpus is 3; allowed is a text in quotes");
+        let engine = told("[[campaign.external]]\nname = \"a\"\ncommand = [\"a\"]\nprecision = \"f16\"\n");
+        assert_eq!(engine, "gate.toml line 4: precision is \"f16\"; allowed are f32, f64");
         let cut = told("corpus = []\n[campaign]\nfamilies = [\"sliver");
         assert!(cut.starts_with("gate.toml line 3: ") && !cut.contains('\n'), "{cut}");
     }

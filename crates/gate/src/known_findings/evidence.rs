@@ -2,6 +2,7 @@
 //! more frequent unseen.
 
 use super::{ClassCount, KnownFindings, is_of_step};
+use rockproof_differential::answer_detail::{AnswerDetail, StateDetail};
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,7 +24,24 @@ impl KnownFindings {
             };
             Some(format!("\"{}\" {what}, which cannot be", excerpt(fingerprint, EXCERPT_LENGTH)))
         };
-        self.known.iter().find_map(impossible)
+        self.known.iter().find_map(impossible).or_else(|| self.impossibly_said())
+    }
+
+    /// An engine that gave something for more contacts or states than it named.
+    fn impossibly_said(&self) -> Option<String> {
+        let impossible = |detail: &AnswerDetail| {
+            let of_contacts =
+                [("entrances", detail.entrances), ("gap_m", detail.gap_m)].map(|of| (of, detail.contacts));
+            let of_states = detail.by_state().map(|(_, StateDetail { answers, gaps, normals })| {
+                [("gaps", gaps), ("normals", normals)].map(|of| (of, answers))
+            });
+            let mut all = of_contacts.into_iter().chain(of_states.into_iter().flatten());
+            all.find(|((_, given), of)| given > of).map(|((what, given), of)| (what, given, of))
+        };
+        self.said.iter().find_map(|(engine, detail)| {
+            let (what, given, of) = impossible(detail)?;
+            Some(format!("{} gave {what} for {given} of {of}, which cannot be", excerpt(engine, EXCERPT_LENGTH)))
+        })
     }
 
     /// That a campaign of the same settings examined other numbers of pairs than the file says, and of which families; nothing of what it does not count.
@@ -78,6 +96,18 @@ mod tests {
         assert!(why("step | not-held | sliver", [1, 999_999, 999_999]).contains("found 1 times in 999999 pairs"));
         // Of families that the file does not count, as that of an early version, nothing is known.
         assert_eq!(why("engine | joint_cut", [99, 99, 99]), "");
+    }
+
+    #[test]
+    fn engines_that_said_more_than_they_can_are_told() {
+        let of = |entrances, gaps| {
+            let apart = StateDetail { answers: 3, gaps, normals: 0 };
+            let said = AnswerDetail { contacts: 5, entrances, apart, ..AnswerDetail::default() };
+            KnownFindings { said: [("mine".to_owned(), said)].into(), ..KnownFindings::default() }.impossible()
+        };
+        assert_eq!(of(5, 3), None);
+        assert_eq!(of(9, 3).as_deref(), Some("mine gave entrances for 9 of 5, which cannot be"));
+        assert_eq!(of(5, 4).as_deref(), Some("mine gave gaps for 4 of 3, which cannot be"));
     }
 
     #[test]
