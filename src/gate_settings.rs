@@ -1,7 +1,7 @@
 //! The settings of a campaign that a baseline remembers.
 
 use rockproof_differential::external::EngineSpec;
-use rockproof_differential::external::spec::NumberFormat;
+use rockproof_model::Precision;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
@@ -18,13 +18,9 @@ pub(crate) fn of(identity: Map<String, Value>) -> BTreeMap<String, String> {
     settings.map(shown).collect()
 }
 
-/// An engine's name, with its precision and accuracy where they are not those of an engine of which only the command is given.
+/// An engine's name, with its precision, and its accuracy where that is not the usual one. Earlier versions wrote the name alone.
 fn engine(spec: &Value) -> Value {
-    let usual = EngineSpec::parse("usual=command").map(|usual| usual.accuracy);
     let Ok(spec) = serde_json::from_value::<EngineSpec>(spec.clone()) else { return spec["name"].clone() };
-    let precision = (spec.precision == NumberFormat::F32).then(|| "f32".to_owned());
-    let accuracy = (usual != Ok(spec.accuracy)).then(|| format!("accuracy {}", spec.accuracy));
-    let words: Vec<String> = precision.into_iter().chain(accuracy).collect();
-    let words = if words.is_empty() { String::new() } else { format!(" ({})", words.join(", ")) };
-    format!("{}{words}", spec.name).into()
+    let accuracy = if spec.has_usual_accuracy() { String::new() } else { format!(", accuracy {}", spec.accuracy) };
+    format!("{} ({}{accuracy})", spec.name, Precision::from(spec.precision)).into()
 }

@@ -13,7 +13,6 @@ use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::builtin::BuiltinOracle;
 use rockproof_differential::case_file::{Case, contact_rows};
 use rockproof_differential::collision::separation::Separation;
-use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, catch_panic};
 use rockproof_differential::explain::{DivergentDecision, divergent_decisions};
 use rockproof_differential::external::protocol::completed;
@@ -187,11 +186,10 @@ impl fmt::Display for Recurrence {
 /// What an external engine leaves unsaid now of what the case is about.
 fn unsaid(case: &Case, engines: &Engines) -> Option<&'static str> {
     let engine = engines.find(&case.about.engine).filter(|_| case.about.cause == Cause::Engine.name())?;
-    let change = AnswerChange::from_name(&case.about.change)?;
     let precision = engine.precision();
     let [a, b] = [case.a.rounded(precision)?, case.b.rounded(precision)?];
     let tolerances = case.tolerances.rounded(precision).ok()?;
-    left_unsaid(change, &case.about.kind, &catch_panic(|| engine.prepare(&a, &b)?.answer(&tolerances)).ok()?)
+    left_unsaid(&case.about, &catch_panic(|| engine.prepare(&a, &b)?.answer(&tolerances)).ok()?)
 }
 
 /// The precision of the engine the case is about.

@@ -130,7 +130,7 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     assert!(
         table.starts_with(
             "engine,asked,processes_started,recovered,not_compared,first_failures,contacts,entrances,gap_m,\
-             apart,apart_gaps,apart_normals,touching,touching_gaps,touching_normals,overlapping,overlapping_gaps,overlapping_normals\nmine,"
+             apart,apart_gaps,apart_normals,touching,touching_gaps,touching_normals,overlapping,overlapping_gaps,overlapping_normals,contact_answers\nmine,"
         ),
         "{table}"
     );

@@ -62,17 +62,21 @@ pub struct EngineRow {
     /// Those of them with `normal`.
     #[serde(default)]
     pub overlapping_normals: u64,
+    /// Answers that named contacts, or that there are none.
+    #[serde(default)]
+    pub contact_answers: u64,
 }
 
 impl EngineRow {
     /// How much the engine said in its answers.
     pub fn detail(&self) -> AnswerDetail {
-        let EngineRow { contacts, entrances, gap_m, .. } = *self;
+        let EngineRow { contacts, entrances, gap_m, contact_answers, .. } = *self;
         let state = |answers, gaps, normals| StateDetail { answers, gaps, normals };
         AnswerDetail {
             contacts,
             entrances,
             gap_m,
+            contact_answers,
             apart: state(self.apart, self.apart_gaps, self.apart_normals),
             touching: state(self.touching, self.touching_gaps, self.touching_normals),
             overlapping: state(self.overlapping, self.overlapping_gaps, self.overlapping_normals),
@@ -149,7 +153,7 @@ pub(super) fn to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (name, counts) in engines {
         let EngineCounts { asked, processes_started, recovered, not_compared, first_failures, detail, .. } = counts;
-        let AnswerDetail { contacts, entrances, gap_m, apart, touching, overlapping } = *detail;
+        let AnswerDetail { contacts, entrances, gap_m, contact_answers, apart, touching, overlapping } = *detail;
         writer.serialize(EngineRow {
             engine: name.clone(),
             asked: *asked,
@@ -169,6 +173,7 @@ pub(super) fn to_csv(engines: &BTreeMap<String, EngineCounts>) -> Result<Vec<u8>
             overlapping: overlapping.answers,
             overlapping_gaps: overlapping.gaps,
             overlapping_normals: overlapping.normals,
+            contact_answers,
         })?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())

@@ -3,11 +3,11 @@
 #[cfg(test)]
 mod tests;
 
+use super::case_file::CaseDescription;
 use super::compare::AnswerChange;
 use super::engine::Answer;
 use super::external::protocol::UNNAMED;
 use super::separation_state::{ReportedState, SeparationState};
-use rockproof_model::Contact;
 use rockproof_model::text::noun;
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,10 @@ pub struct AnswerDetail {
     pub entrances: u64,
     /// Those with `gap_m`, of which the sign alone is compared.
     pub gap_m: u64,
-    /// Answers that the blocks are apart. Each state is counted by itself: a code may measure overlaps alone, and then gives fewer gaps where it
+    /// Answers that named contacts, or that there are none. Runs and baselines of earlier versions have no such count.
+    #[serde(default)]
+    pub contact_answers: u64,
+    /// Answers that the blocks are apart, here and below of pairs whose blocks are both convex: others are not compared. Each state is counted by itself: a code may measure overlaps alone, and then gives fewer gaps where it
     /// mends what it called overlapping. Runs and baselines of earlier versions have none of these.
     #[serde(default)]
     pub apart: StateDetail,
@@ -66,21 +69,22 @@ pub enum Unsaid {
     Normals,
 }
 
-/// What an answer leaves unsaid of what a finding with this change of such contacts is about, in words: then it does not differ, and nobody knows whether
-/// it would. `kinds` are those of the contact before and after the change, in one text; empty where they are not known.
-pub fn left_unsaid(change: AnswerChange, kinds: &str, answer: &Answer) -> Option<&'static str> {
-    let is_meant = |contact: &&Contact| kinds.is_empty() || kinds.contains(contact.kind().name());
+/// What an answer leaves unsaid of what a case is about, in words: then it does not differ, and nobody knows whether it would. Of contacts only those
+/// matter whose entrance or sign of the gap was another than the right one when the case was made.
+pub fn left_unsaid(about: &CaseDescription, answer: &Answer) -> Option<&'static str> {
+    let change = AnswerChange::from_name(&about.change)?;
     match answer {
         Answer::State(_) if change.is_of_contacts() => Some("no contacts"),
         Answer::State(said) if change == AnswerChange::Gap => said.gap_m.is_none().then_some("no gap"),
         Answer::State(said) if change == AnswerChange::Normal => said.normal.is_none().then_some("no normal"),
         Answer::State(_) => None,
         Answer::Contacts(_) if change.is_of_states() => Some("no state"),
-        Answer::Contacts(said) if matches!(change, AnswerChange::Entrance | AnswerChange::GapSign) => said
-            .iter()
-            .filter(is_meant)
-            .any(|contact| contact.entrance == UNNAMED)
-            .then_some("not each contact an entrance"),
+        Answer::Contacts(said) if matches!(change, AnswerChange::Entrance | AnswerChange::GapSign) => {
+            let differed = about.differing_contacts();
+            said.iter()
+                .any(|contact| contact.entrance == UNNAMED && differed.contains(&contact.key))
+                .then_some("no entrance of a contact")
+        }
         Answer::Contacts(_) => None,
     }
 }
@@ -90,25 +94,13 @@ pub fn left_unsaid(change: AnswerChange, kinds: &str, answer: &Answer) -> Option
 pub enum CountedPairs {
     /// Both of the same pairs.
     Same,
-    /// Each of other pairs.
+    /// Each of other pairs, in campaigns of any size: a share may be another by chance, so only that something is given for none is told, where chance
+    /// does not explain it.
     Other,
-    /// Each of other pairs, in campaigns of any size, and the same engine is counted of the same pairs as well: then nothing is told that chance may
-    /// explain.
-    Rotating,
 }
 
-impl CountedPairs {
-    /// How likely it is by chance that nothing is given of `of`, where `before` is given of `of_before`: as in the gate's test of rates, of all that
-    /// is given in both each falls to the count before with its share of all. Of pairs that rotate the answers to a batch of sixteen count as one.
-    fn chance_of_none(self, of: u64, before: u64, of_before: u64) -> f64 {
-        let together = match self {
-            CountedPairs::Same => return 0.0,
-            CountedPairs::Other => 1.0,
-            CountedPairs::Rotating => 16.0,
-        };
-        (of_before as f64 / (of_before as f64 + of as f64)).powf(before as f64 / together)
-    }
-}
+/// The answers to a batch of so many pairs count as one, since they may hang together.
+const BATCH: f64 = 16.0;
 
 /// What chance explains no better than this is no chance.
 const NO_CHANCE: f64 = 0.001;
@@ -119,7 +111,9 @@ struct Share {
     what: &'static str,
     given: u64,
     of: u64,
-    /// Whether it may be said of contacts, not of states.
+    /// Of what it may be said, of one and of many.
+    nouns: [&'static str; 2],
+    /// Whether it is about contacts, not about how blocks lie.
     is_of_contacts: bool,
     /// The state; `None` of contacts, and of all three states together.
     state: Option<SeparationState>,
@@ -128,7 +122,7 @@ struct Share {
 impl Share {
     fn note(self) -> String {
         let state = self.state.map_or(String::new(), |state| format!(" \"{state}\""));
-        let [one, many] = if self.is_of_contacts { ["contact", "contacts"] } else { ["state", "states"] };
+        let [one, many] = self.nouns;
         format!("{} of {} {}{state}", self.given, self.of, noun(self.of, one, many))
     }
 
@@ -136,10 +130,11 @@ impl Share {
         u128::from(self.given) * u128::from(before.of) < u128::from(before.given) * u128::from(self.of)
     }
 
-    /// Whether that it is below is no chance of other pairs: it was all and is not, or is none and was not, which few pairs may show by chance.
-    fn is_all_or_none(self, before: Share, pairs: CountedPairs) -> bool {
-        let is_none = || self.given == 0 && pairs.chance_of_none(self.of, before.given, before.of) < NO_CHANCE;
-        before.given == before.of || is_none()
+    /// Whether it is given for none, which chance does not explain: as in the gate's test of rates, of all that is given in both each falls to the
+    /// count before with its share of all.
+    fn is_gone(self, before: Share) -> bool {
+        let share = before.of as f64 / (before.of as f64 + self.of as f64);
+        self.given == 0 && before.given > 0 && share.powf(before.given as f64 / BATCH) < NO_CHANCE
     }
 }
 
@@ -192,6 +187,7 @@ impl AnswerDetail {
             contacts: count(self.contacts, other.contacts),
             entrances: count(self.entrances, other.entrances),
             gap_m: count(self.gap_m, other.gap_m),
+            contact_answers: count(self.contact_answers, other.contact_answers),
             apart: self.apart.of_each(other.apart, &count),
             touching: self.touching.of_each(other.touching, &count),
             overlapping: self.overlapping.of_each(other.overlapping, &count),
@@ -215,7 +211,32 @@ impl AnswerDetail {
 
     fn of_contacts(self) -> Share {
         let (given, of) = (self.entrances, self.contacts);
-        Share { what: "entrances and signs of gaps", given, of, is_of_contacts: true, state: None }
+        Share {
+            what: "entrances and signs of gaps",
+            given,
+            of,
+            nouns: ["contact", "contacts"],
+            is_of_contacts: true,
+            state: None,
+        }
+    }
+
+    /// Answers that named contacts, among all.
+    fn of_answers(self) -> Share {
+        let given = self.contact_answers;
+        Share {
+            what: "contacts",
+            given,
+            of: given.saturating_add(self.states().answers),
+            nouns: ["answer", "answers"],
+            is_of_contacts: true,
+            state: None,
+        }
+    }
+
+    /// Whether it was counted which answers named contacts and which said how blocks lie, as earlier versions did not.
+    pub fn counts_answers(self) -> bool {
+        self.contact_answers > 0 || (self.contacts == 0 && self.states().answers > 0)
     }
 
     /// For how many contacts or states what was given, where that is not all.
@@ -259,41 +280,46 @@ impl AnswerDetail {
 
     /// What is given for a smaller share than before, now and before; always as many, in the same order.
     ///
-    /// Contacts: entrances for a smaller share of them, and for more contacts no longer than there are fewer; or no contacts are named any more. States:
-    /// gaps or normals for a smaller share of those that say the same, and not only because some answers say another state now or fail; or no answer says
-    /// a state any more. Of other pairs a share may be another by chance: there it is less where it was all and is not, or is none and was not.
+    /// Of the same pairs: contacts named in fewer answers, where how blocks lie is said in more; entrances for a smaller share of the contacts, and for
+    /// more contacts no longer than there are fewer, or no contacts any more; gaps or normals for a smaller share of those that say the same state, and
+    /// not only because some answers say another state now or fail, or no state any more. What was given for all and is not, or is given for none, is less in any case. Of other
+    /// pairs: what is given for none, where that is no chance. Nothing is told of what earlier versions did not count.
     fn losses(self, before: AnswerDetail, pairs: CountedPairs) -> Vec<Option<[Share; 2]>> {
+        let is_same = pairs == CountedPairs::Same;
+        let [now, was] = [self, before].map(AnswerDetail::of_answers);
+        let has_states_instead = now.given < was.given && self.states().answers > before.states().answers;
+        let is_less = if is_same { has_states_instead } else { before.counts_answers() && now.is_gone(was) };
+        let mut losses = vec![is_less.then_some([now, was])];
+
         let [now, was] = [self, before].map(AnswerDetail::of_contacts);
-        // Of few pairs it may be by chance that there is none at all.
-        let may_be_gone = pairs != CountedPairs::Rotating;
         // Contacts that are named anew, as where a mistake is mended, take no entrance away from others.
         let is_unexplained = was.given.saturating_sub(now.given) > was.of.saturating_sub(now.of);
-        let is_certain = now.is_all_or_none(was, pairs) || (pairs == CountedPairs::Same && is_unexplained);
-        let is_gone = (may_be_gone && was.of > 0 && now.of == 0) || self.names_fewer_contacts(before, pairs);
-        let mut losses = vec![(is_gone || (now.is_below(was) && is_certain)).then_some([now, was])];
-        let is_gone = may_be_gone && self.states().answers == 0;
+        let is_smaller = now.is_below(was) && (was.given == was.of || now.given == 0 || is_unexplained);
+        let is_less = if is_same { is_smaller || (was.of > 0 && now.of == 0) } else { now.is_gone(was) };
+        losses.push(is_less.then_some([now, was]));
+
+        let has_no_state = self.states().answers == 0;
         for ((state, now), (_, was)) in self.by_state().into_iter().zip(before.by_state()) {
             for (now, was) in of_state(Some(state), now).into_iter().zip(of_state(Some(state), was)) {
                 let is_unexplained = was.given.saturating_sub(now.given) > was.of.abs_diff(now.of);
-                let is_certain = now.is_all_or_none(was, pairs) || (pairs == CountedPairs::Same && is_unexplained);
-                let is_less = now.is_below(was) && is_certain;
-                losses.push(((was.given > 0 && is_gone) || is_less).then_some([now, was]));
+                let is_smaller = now.is_below(was) && (was.given == was.of || now.given == 0 || is_unexplained);
+                let is_less = if is_same { is_smaller || (was.given > 0 && has_no_state) } else { now.is_gone(was) };
+                losses.push(is_less.then_some([now, was]));
             }
         }
         losses
     }
 
-    /// Whether some answers that named contacts say only how blocks lie now.
-    fn names_fewer_contacts(self, before: AnswerDetail, pairs: CountedPairs) -> bool {
-        let [now, was] = [self, before].map(|detail| detail.states().answers);
-        let is_new = was == 0 && now > 0 && before.contacts > 0;
-        is_new || (pairs == CountedPairs::Same && now > was && self.contacts < before.contacts)
+    /// For how many contacts or states something was given.
+    pub fn full_note_of(self, what: Unsaid) -> String {
+        let share = self.share_of(what, None);
+        format!("{} given for {}", share.what, share.note())
     }
 
-    /// For how many contacts or states something was given, where not for all.
+    /// The same where it was not given for all.
     pub fn note_of(self, what: Unsaid) -> Option<String> {
         let share = self.share_of(what, None);
-        (share.given < share.of).then(|| format!("{} given for {}", share.what, share.note()))
+        (share.given < share.of).then(|| self.full_note_of(what))
     }
 
     /// How often something was given, and how often it may have been.
@@ -303,14 +329,18 @@ impl AnswerDetail {
     }
 
     /// Whether something was given often enough for a limit on it to say anything: for half of what may have it. A code may measure distances or overlaps
-    /// alone, so half of the states apart, or of those overlapping, is enough where it is a tenth of all states. That blocks which touch have the gap 0
-    /// says nothing more than the state.
+    /// alone, so half of the states apart, or of those overlapping, is enough where what is given there is a tenth of all. That blocks which touch have the
+    /// gap 0 says nothing more than the state, so gaps of these do not count.
     pub fn is_given_enough(self, what: Unsaid) -> bool {
         let all = self.share_of(what, None);
-        let [(_, apart), _, (_, overlapping)] =
-            self.by_state().map(|(state, _)| (state, self.share_of(what, Some(state))));
-        let is_half = |share: &Share| share.given > 0 && share.given >= share.of - share.given;
-        is_half(&all) || [apart, overlapping].iter().any(|share| is_half(share) && share.given >= all.of.div_ceil(10))
+        let [apart, touching, overlapping] = self.by_state().map(|(state, _)| self.share_of(what, Some(state)));
+        let is_half = |given: u64, of: u64| given > 0 && given >= of - given.min(of);
+        let (given, of) = match what {
+            Unsaid::Gaps => (all.given - touching.given, all.of - touching.of),
+            Unsaid::Entrances | Unsaid::Normals => (all.given, all.of),
+        };
+        let is_half_of_one = |share: &Share| is_half(share.given, share.of) && share.given >= all.of.div_ceil(10);
+        is_half(given, of) || (what != Unsaid::Entrances && [apart, overlapping].iter().any(is_half_of_one))
     }
 
     /// The share of something among all contacts or states, or among the states that say one thing.
@@ -328,6 +358,13 @@ impl AnswerDetail {
 
 /// Gaps and normals of the answers that blocks lie so.
 fn of_state(state: Option<SeparationState>, detail: StateDetail) -> [Share; 2] {
-    let share = |what, given| Share { what, given, of: detail.answers, is_of_contacts: false, state };
+    let share = |what, given| Share {
+        what,
+        given,
+        of: detail.answers,
+        nouns: ["state", "states"],
+        is_of_contacts: false,
+        state,
+    };
     [share("gaps", detail.gaps), share("normals", detail.normals)]
 }

@@ -16,6 +16,7 @@ use rockproof_model::{
     Precision, Sign, SpecError, ToleranceSet, ToleranceSpec, VertexId,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A finding that can be replayed without the campaign it comes from.
@@ -70,6 +71,21 @@ pub struct CaseDescription {
     pub expected: Vec<ContactRow>,
     /// The contacts after it.
     pub found: Vec<ContactRow>,
+}
+
+impl CaseDescription {
+    /// What the engine said of how the blocks lie, as [`ReportedState`](super::separation_state::ReportedState) is shown.
+    pub fn said_state(&self) -> Option<&str> {
+        self.states.as_deref()?.split_once(", said ").map(|(_, said)| said)
+    }
+
+    /// The contacts that both answers name, and name differently.
+    pub fn differing_contacts(&self) -> BTreeSet<ContactKey> {
+        let contacts = |rows: &[ContactRow]| -> Vec<Contact> { rows.iter().filter_map(ContactRow::contact).collect() };
+        let found = contacts(&self.found);
+        let differs = |right: &Contact| found.iter().any(|one| one.key == right.key && one != right);
+        contacts(&self.expected).into_iter().filter(differs).map(|contact| contact.key).collect()
+    }
 }
 
 /// A contact as written in files; the names are those of `classify`'s columns.

@@ -3,7 +3,7 @@
 use super::{Check, CheckStatus};
 use rockproof_campaign::engines::Engines;
 use rockproof_differential::answer_detail::left_unsaid;
-use rockproof_differential::case_file::{Case, CaseError, contact_rows};
+use rockproof_differential::case_file::{Case, CaseDescription, CaseError, contact_rows};
 use rockproof_differential::collision::CollisionQuery;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{Answer, Shortage, catch_panic};
@@ -158,9 +158,8 @@ fn judge(case: &Case, engines: &Engines) -> (CheckStatus, String) {
         "representation" => exact(&a, &b, &t),
         _ => {
             let Some(engine) = panel.engines.first() else { return (CheckStatus::Skip, "no engine".to_owned()) };
-            let change = AnswerChange::from_name(&about.change);
             let answer = catch_panic(|| engine.prepare(&a, &b)?.answer(&t));
-            let unsaid = answer.as_ref().ok().and_then(|answer| left_unsaid(change?, &about.kind, answer));
+            let unsaid = answer.as_ref().ok().and_then(|answer| left_unsaid(about, answer));
             if let Some(unsaid) = unsaid {
                 let engine = &about.engine;
                 let message =
@@ -171,7 +170,7 @@ fn judge(case: &Case, engines: &Engines) -> (CheckStatus, String) {
                 Ok(Answer::Contacts(contacts)) => completed(contacts, &right),
                 Ok(Answer::State(said)) => {
                     let query = CollisionQuery { blocks: &[a, b], precision, accuracy: engine.accuracy() };
-                    return judge_state(&query, said, &about.change);
+                    return judge_state(&query, said, about);
                 }
                 Err(failure) if failure.change().name() == about.change => {
                     return (CheckStatus::Pass, "as recorded".to_owned());
@@ -192,16 +191,24 @@ fn judge(case: &Case, engines: &Engines) -> (CheckStatus, String) {
     }
 }
 
-/// The same of an engine that says only how the blocks lie, of a case with this change.
-fn judge_state(query: &CollisionQuery<'_>, said: ReportedState, change: &str) -> (CheckStatus, String) {
+/// The same of an engine that says only how the blocks lie.
+fn judge_state(query: &CollisionQuery<'_>, said: ReportedState, about: &CaseDescription) -> (CheckStatus, String) {
+    let CaseDescription { change, engine, .. } = about;
+    let is_judged =
+        |change: AnswerChange| change.is_of_states() || (!change.is_of_answers() && change != AnswerChange::Unstable);
     match query.compare(said) {
         None => (CheckStatus::Skip, "a block is concave, so nothing exact stands against the answer".to_owned()),
-        Some((None, _)) if AnswerChange::from_name(change).is_some_and(AnswerChange::is_of_states) => {
+        Some((None, _)) if AnswerChange::from_name(change).is_some_and(is_judged) => {
             (CheckStatus::Pass, "the engine agrees".to_owned())
         }
         Some((None, _)) => (CheckStatus::Skip, format!("of the change \"{change}\" nothing is known here")),
-        Some((Some(wrong), _)) if wrong.name() == change => (CheckStatus::Pass, "as recorded".to_owned()),
-        Some((Some(wrong), compared)) => (CheckStatus::Fail, format!("{wrong}: {compared}")),
+        Some((Some(wrong), compared)) => match about.said_state() {
+            Some(recorded) if recorded == said.to_string() => (CheckStatus::Pass, "as recorded".to_owned()),
+            None if wrong.name() == change => {
+                (CheckStatus::Skip, format!("{wrong}: {compared}; the case does not record what {engine} said"))
+            }
+            _ => (CheckStatus::Fail, format!("{wrong}: {compared}, which the case does not record")),
+        },
     }
 }
 

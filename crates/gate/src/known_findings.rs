@@ -1,12 +1,12 @@
 //! The baseline: findings that are known, by what makes them alike, and how often they occurred.
 
 mod evidence;
+mod said;
 
 use super::config::Baseline;
 use super::tally::{CampaignTally, ClassCount};
 use super::{CONFIDENCE, Check, CheckStatus};
-use rockproof_differential::answer_detail::{AnswerDetail, CountedPairs, DetailShift, StateDetail};
-use rockproof_differential::finding::Cause;
+use rockproof_differential::answer_detail::{AnswerDetail, CountedPairs, StateDetail};
 use rockproof_model::text::noun;
 use serde::Deserialize;
 use statrs::function::beta::checked_beta_reg;
@@ -54,7 +54,8 @@ impl KnownFindings {
         let names: BTreeSet<&String> = self.settings.keys().chain(settings.keys()).collect();
         let differences = names.into_iter().filter(|name| is_compared(name)).filter_map(|name| {
             let [now, was] = [settings, &self.settings].map(|of| of.get(name).unwrap_or(&none));
-            (now != was).then(|| format!("{name} is {now}, in the baseline {was}"))
+            let is_same = now == was || (name == "external" && !was.contains(" (") && engine_names(now) == *was);
+            (!is_same).then(|| format!("{name} is {now}, in the baseline {was}"))
         });
         if self.settings.is_empty() { Vec::new() } else { differences.collect() }
     }
@@ -85,8 +86,11 @@ impl KnownFindings {
         if !self.said.is_empty() {
             file += "\n[said]\n";
             for (engine, detail) in &self.said {
-                let AnswerDetail { contacts, entrances, gap_m, .. } = detail;
+                let AnswerDetail { contacts, entrances, gap_m, contact_answers, .. } = detail;
                 let mut counts = format!("contacts = {contacts}, entrances = {entrances}, gap_m = {gap_m}");
+                if *contact_answers > 0 {
+                    counts += &format!(", contact_answers = {contact_answers}");
+                }
                 for (state, StateDetail { answers, gaps, normals }) in detail.by_state() {
                     if answers > 0 {
                         counts += &format!(", {state} = {{ answers = {answers}, gaps = {gaps}, normals = {normals} }}");
@@ -138,17 +142,18 @@ impl KnownFindings {
                 checks.push(failed(name, growth.describe(), tally, baseline, fingerprint));
             }
         }
-        checks.extend(self.unsaid(&now, run, baseline));
+        let mut others = self.other_settings(run, settings);
+        if run == "fixed" && others.is_empty() {
+            others.extend(self.other_pairs(&now));
+        }
+        let pairs = if run == "fixed" && others.is_empty() { CountedPairs::Same } else { CountedPairs::Other };
+        checks.extend(self.unsaid(&now, (run, pairs), baseline));
         let has_failed = !checks.is_empty();
         if left_out > 0 {
             let message = format!("{left_out} sorts of finding about steps: the baseline was written without steps");
             checks.push(rowless(format!("{run}: baseline of steps"), message, CheckStatus::Skip, baseline));
         }
         checks.extend(self.not_known(&now, run, baseline));
-        let mut others = self.other_settings(run, settings);
-        if run == "fixed" && others.is_empty() {
-            others.extend(self.other_pairs(&now));
-        }
         if !others.is_empty() {
             let message = format!(
                 "{}; what is new or gone may come from that: --update-baseline writes the baseline anew",
@@ -175,52 +180,6 @@ impl KnownFindings {
         checks
     }
 
-    /// A failed check for each external engine that says less of its contacts, or of how blocks lie, than it did: what it does not say is not compared, so
-    /// findings are missing that nobody mended. In the fixed campaign, whose pairs are the same, a smaller share is less; in others all or none tells.
-    fn unsaid(&self, now: &KnownFindings, run: &str, baseline: &Baseline) -> Vec<Check> {
-        if !baseline.causes.iter().any(|cause| cause == Cause::Engine.name()) {
-            return Vec::new();
-        }
-        let both = self.said.iter().filter_map(|(engine, was)| Some((engine, *was, *now.said.get(engine)?)));
-        let mut checks = Vec::new();
-        for (engine, was, now) in both {
-            let pairs = if run == "fixed" { CountedPairs::Same } else { CountedPairs::Rotating };
-            let shifts = now.shifts(was, pairs);
-            let subjects = [("of its contacts", true), ("of how blocks lie", false)];
-            for (subject, is_of_contacts) in subjects {
-                let less = shifts.iter().filter(|shift| shift.less && shift.is_of_contacts == is_of_contacts);
-                let told = |DetailShift { what, before, after, .. }: &DetailShift| {
-                    format!("{what} given for {after}, in the baseline for {before}")
-                };
-                let told: Vec<String> = less.map(told).collect();
-                if !told.is_empty() {
-                    let name = format!("{run}: engine {engine} says less {subject}");
-                    checks.push(rowless(name, told.join("; "), CheckStatus::Fail, baseline));
-                }
-            }
-        }
-        checks
-    }
-
-    /// A skipped check for each external engine that leaves something unsaid where the file does not say how much it said: it may say less than it did.
-    fn not_known(&self, now: &KnownFindings, run: &str, baseline: &Baseline) -> Vec<Check> {
-        if !baseline.causes.iter().any(|cause| cause == Cause::Engine.name()) {
-            return Vec::new();
-        }
-        let is_known =
-            |engine: &String| self.said.get(engine).is_some_and(|was| was.contacts + was.states().answers > 0);
-        let unknown = now.said.iter().filter(|(engine, _)| !is_known(engine));
-        let told = |(engine, detail): (&String, &AnswerDetail)| {
-            let message = format!(
-                "{}; the baseline does not say for how many they were given, so whether it says less than it did is not known: \
-                 --update-baseline adds that",
-                detail.incomplete_note()?
-            );
-            Some(rowless(format!("{run}: engine {engine} says no less"), message, CheckStatus::Skip, baseline))
-        };
-        unknown.filter_map(told).collect()
-    }
-
     /// The pairs a fingerprint could have occurred in, of a step those that make some: those of its family where it names one, else all.
     fn examined_of(&self, fingerprint: &str) -> u64 {
         let of_step = is_of_step(fingerprint);
@@ -242,6 +201,13 @@ pub const STEP: &str = "step";
 
 fn is_of_step(fingerprint: &str) -> bool {
     fingerprint.split(SEPARATOR).next() == Some(STEP)
+}
+
+/// The engines of a setting by their names alone, as earlier versions wrote them.
+fn engine_names(engines: &str) -> String {
+    let mut parts = engines.split(" (");
+    let first = parts.next().unwrap_or_default().to_owned();
+    first + &parts.filter_map(|part| Some(part.split_once(')')?.1)).collect::<String>()
 }
 
 /// A check that is about no rows.
@@ -366,6 +332,14 @@ mod tests {
         assert_eq!(known.other_settings("fixed", &now), told);
         assert_eq!(known.other_settings("rotating", &now), told[..1]);
         assert_eq!(known.other_settings("fixed", &known.settings), [""; 0]);
+        // One of an earlier version has names alone.
+        let engines = |text: &str| of(&[["external", text]]);
+        let known = KnownFindings { settings: engines("[\"a\",\"b\"]"), ..KnownFindings::default() };
+        let told = |now: &str| known.other_settings("fixed", &engines(now)).len();
+        assert_eq!(told("[\"a (f32)\",\"b (f64, accuracy 3)\"]"), 0);
+        assert_eq!(told("[\"a (f32)\",\"c (f64)\"]"), 1);
+        let known = KnownFindings { settings: engines("[\"a (f64)\"]"), ..KnownFindings::default() };
+        assert_eq!(known.other_settings("fixed", &engines("[\"a (f32)\"]")).len(), 1);
         // A file of an earlier version does not say.
         assert_eq!(KnownFindings::default().other_settings("fixed", &now), [""; 0]);
     }
@@ -374,7 +348,8 @@ mod tests {
     fn the_file_reads_back() {
         let fields = vec!["engine".to_owned(), "family".to_owned()];
         let overlapping = StateDetail { answers: 5, gaps: 4, normals: 3 };
-        let said = AnswerDetail { contacts: 9, entrances: 7, overlapping, ..AnswerDetail::default() };
+        let said =
+            AnswerDetail { contacts: 9, entrances: 7, contact_answers: 2, overlapping, ..AnswerDetail::default() };
         let known = KnownFindings {
             fields,
             examined: [("sliver".to_owned(), 12), ("real".to_owned(), 3)].into(),

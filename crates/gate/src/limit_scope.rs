@@ -147,7 +147,8 @@ fn told<'t>(
     Some((what, concerned.map(|name| (name, tally.answers(name).detail)).collect()))
 }
 
-/// For how many contacts or states what a limit is on was given, where not for all: what is not given is not compared.
+/// For how many contacts or states what a limit is on was given, where not for all: what is not given is not compared. And how far gaps and normals
+/// may be off, where that is not the usual accuracy.
 pub(crate) fn given_note(limit: &FindingLimit, config: &GateConfig, tally: &CampaignTally) -> Option<String> {
     let (what, engines) = told(limit, config, tally)?;
     let is_one = engines.len() == 1 && limit.engine.is_some();
@@ -155,13 +156,22 @@ pub(crate) fn given_note(limit: &FindingLimit, config: &GateConfig, tally: &Camp
         let note = detail.note_of(what)?;
         Some(if is_one { note } else { format!("{name}: {note}") })
     };
-    let notes: Vec<String> = engines.iter().filter_map(note).collect();
+    let mut notes: Vec<String> = engines.iter().filter_map(note).collect();
     let narrowed = if [&limit.family, &limit.tolerances, &limit.kind].iter().any(|of| of.is_some()) {
         ", of all pairs"
     } else {
         ""
     };
-    (!notes.is_empty()).then(|| format!("{}{narrowed}", notes.join(", ")))
+    if let Some(last) = notes.last_mut() {
+        *last += narrowed;
+    }
+    if what != Unsaid::Entrances {
+        let specs = config.campaign.external.iter();
+        let unusual =
+            specs.filter(|spec| !spec.has_usual_accuracy() && engines.iter().any(|(name, _)| *name == spec.name));
+        notes.extend(unusual.map(|spec| format!("accuracy of {} {}", spec.name, spec.accuracy)));
+    }
+    (!notes.is_empty()).then(|| notes.join(", "))
 }
 
 /// Why a limit on what an answer may leave unsaid, as entrances, was not looked at: it is about external engines alone, and none of them gave it for
@@ -169,7 +179,8 @@ pub(crate) fn given_note(limit: &FindingLimit, config: &GateConfig, tally: &Camp
 pub(crate) fn unsaid(limit: &FindingLimit, config: &GateConfig, tally: &CampaignTally) -> Option<String> {
     let (what, engines) = told(limit, config, tally)?;
     // How blocks lie external engines alone say.
-    let of_builtin = limit.engine.is_none() && limit.cause.is_none() && what == Unsaid::Entrances;
+    let is_of_any = limit.engine.is_none() && limit.cause.is_none() && what == Unsaid::Entrances;
+    let of_builtin = is_of_any && !config.campaign.engines.is_empty();
     if engines.is_empty() || of_builtin || engines.iter().any(|(_, detail)| detail.is_given_enough(what)) {
         return None;
     }
@@ -184,15 +195,15 @@ pub(crate) fn unsaid(limit: &FindingLimit, config: &GateConfig, tally: &Campaign
     if !none.is_empty() {
         sentences.push(nothing_given(what, &none.join(" and "), sum.counts_of(what)[1]));
     }
-    sentences.extend(little.filter_map(|(name, detail)| {
+    sentences.extend(little.map(|(name, detail)| {
         let enough = match what {
             Unsaid::Entrances => "half of them",
-            Unsaid::Gaps | Unsaid::Normals => "half of those apart, or overlapping, and a tenth of all",
+            Unsaid::Gaps => {
+                "half of those apart, or overlapping, and a tenth of all (of blocks that touch a gap says nothing)"
+            }
+            Unsaid::Normals => "half of those apart, or overlapping, and a tenth of all",
         };
-        Some(format!(
-            "{name}: {}, and a limit needs {enough}: what is not given is not compared",
-            detail.note_of(what)?
-        ))
+        format!("{name}: {}, and a limit needs {enough}: what is not given is not compared", detail.full_note_of(what))
     }));
     Some(sentences.join("; "))
 }
@@ -270,7 +281,7 @@ fn nothing_given(what: Unsaid, names: &str, of: u64) -> String {
         Unsaid::Normals => AnswerChange::Normal.name(),
     };
     match of {
-        0 => format!("{names} answered no state, so no {what}"),
+        0 => format!("{names} said of no two convex blocks how they lie, so no {what}"),
         1 => format!("{names} gave no {what} for its state: what is not given is not compared"),
         states => format!("{names} gave no {what} for any of {states} states: what is not given is not compared"),
     }

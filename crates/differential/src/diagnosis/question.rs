@@ -53,7 +53,7 @@ impl Question {
         match &self.reply {
             Reply::Contacts(said) => {
                 let entrances = said.iter().filter(|contact| contact.entrance != UNNAMED).count() as u64;
-                AnswerDetail { contacts: said.len() as u64, entrances, ..AnswerDetail::default() }
+                AnswerDetail { contacts: said.len() as u64, entrances, contact_answers: 1, ..AnswerDetail::default() }
             }
             Reply::State(said) => AnswerDetail::of_state(said),
             Reply::Nothing(_) => AnswerDetail::default(),

@@ -174,7 +174,12 @@ impl External {
             Ok(line) => {
                 let features = [question.pair.a.topology(), question.pair.b.topology()];
                 let (mut answer, detail) = protocol::detailed_answer(&line, id, features);
-                self.count_detail(detail);
+                // How other blocks lie is not compared.
+                if !matches!(answer, Ok(Answer::State(_)))
+                    || (question.pair.a.is_convex() && question.pair.b.is_convex())
+                {
+                    self.count_detail(detail);
+                }
                 if let Err(EngineFailure::Malformed(what)) = &mut answer {
                     // A line that is no answer may be one that nobody asked for, with the answer behind it. Of a fresh process it would come again.
                     let unasked = id > 0 && (protocol::is_of_earlier(&line, id) || process.has_unread_output());

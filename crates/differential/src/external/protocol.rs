@@ -197,6 +197,7 @@ fn read_contacts(contacts: &Value, features: [&Topology; 2]) -> Result<(Vec<Cont
         contacts: list.len() as u64,
         entrances: count(&|at| read[at].entrance != UNNAMED),
         gap_m: count(&|at| list[at].get("gap_m").is_some()),
+        contact_answers: 1,
         ..AnswerDetail::default()
     };
     Ok((read, detail))
