@@ -164,6 +164,13 @@ struct RockproofModel *rockproof_model_load(const char *path,
                                             double planarity,
                                             double weld);
 
+// As `rockproof_model_load`, with every length multiplied by `scale` after vertices are joined, exactly: "1/1000" for a file in
+// millimetres. Null, too, if that is no number above 0, or not 1 for a scene in TOML, which is in metres.
+//
+// # Safety
+// `path` and `scale` end with a zero byte.
+struct RockproofModel *rockproof_model_load_scaled(const char *path, double planarity, double weld, const char *scale);
+
 // Frees a model; null is left alone. Blocks taken out of it stay.
 void rockproof_model_free(struct RockproofModel *model);
 
