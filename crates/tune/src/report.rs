@@ -309,7 +309,7 @@ fn steps_made(made: &StepMeasures, evaluator: &Evaluator) -> String {
 
 /// Which settling is among the steps made.
 fn settling_among(made: &StepMeasures, evaluator: &Evaluator) -> String {
-    match (made.settled, settling_steps(evaluator)[1].into()) {
+    match (made.settled, u64::from(settling_steps(evaluator)[1])) {
         (settled, given) if settled < given => format!("{settled} of the {given} settling steps of the scene included"),
         _ => "settling included".to_owned(),
     }
