@@ -43,11 +43,16 @@ pub(crate) fn triangle_holds_origin<T: ExactRing + Zero>([a, b, c]: [&Vec3<T>; 3
 
 /// Whether a ray from the origin crosses triangles an odd number of times; `None` where it meets an edge or lies in a plane.
 fn odd_crossings<T: ExactRing + Zero>(triangles: &[[Vec3<T>; 3]], ray: &Vec3<T>) -> Option<bool> {
-    triangles.iter().try_fold(false, |odd, triangle| Some(odd ^ ray_crosses(triangle.each_ref(), ray)?))
+    are_odd(triangles.iter().map(|triangle| ray_crosses(triangle.each_ref(), ray)))
 }
 
-/// Whether a ray from the origin, which is not on the triangle, crosses it. `None` where its line meets an edge of the triangle in front of the origin or does not cross the triangle's
-/// plane.
+/// Whether an odd number of triangles is crossed; `None` where that is not known of one.
+pub(crate) fn are_odd(mut crossings: impl Iterator<Item = Option<bool>>) -> Option<bool> {
+    crossings.try_fold(false, |odd, crosses| Some(odd ^ crosses?))
+}
+
+/// Whether a ray from the origin, which is not on the triangle, crosses it. `None` where it may not be asked: its line is along the triangle's plane, or
+/// the plane is in front of the origin and the line meets that of a side.
 pub(crate) fn ray_crosses<T: ExactRing + Zero>([a, b, c]: [&Vec3<T>; 3], ray: &Vec3<T>) -> Option<bool> {
     let n = b.minus(a).cross(&c.minus(a));
     if n.components().into_iter().all(Zero::is_zero) {

@@ -3,7 +3,7 @@
 use super::lattice_point::{Fraction, NearestPoint};
 use super::near::{Feature, NearPoint, NearSurface, NearestFeatures, View};
 use crate::penetration::LatticePair;
-use crate::point_in_surface::{ray, ray_crosses, triangle_holds_origin};
+use crate::point_in_surface::{are_odd, ray, ray_crosses, triangle_holds_origin};
 use num_bigint::BigInt;
 use num_traits::{One, Signed, Zero};
 use rockproof_model::block::face_normal;
@@ -125,22 +125,23 @@ impl<'p> LatticeSurface<'p> {
 
     /// Whether a point, seen along a face's normal, is on the face or its boundary; **over a face without an area none is**.
     pub(super) fn is_over_face(&self, point: &Fraction, face: usize) -> bool {
+        self.ways_over_face(point, face).is_some()
+    }
+
+    /// The ways from such a point to the face's corners; `None` of any other.
+    fn ways_over_face(&self, point: &Fraction, face: usize) -> Option<Vec<Vec3<BigInt>>> {
         let (n, corners) = (self.normal(face), &self.block.topology().faces()[face]);
         let ways: Vec<_> = corners.iter().map(|v| point.way_to(&self.points[v.index()])).collect();
-        !Zero::is_zero(&n.norm_squared()) && projects_inside(n, &ways)
+        (!Zero::is_zero(&n.norm_squared()) && projects_inside(n, &ways)).then_some(ways)
     }
 
     /// The foot on a face's plane, where it is inside the polygon or on its boundary, in units finer by the point's
     /// denominator.
     fn to_face(&self, point: &Fraction, face: usize) -> Option<NearestPoint> {
-        let (n, corners) = (self.normal(face), &self.block.topology().faces()[face]);
-        let ways: Vec<_> = corners.iter().map(|v| point.way_to(&self.points[v.index()])).collect();
-        if Zero::is_zero(&n.norm_squared()) || !projects_inside(n, &ways) {
-            return None;
-        }
-        let n = n.scaled(&(&point.denominator * &point.denominator));
+        let ways = self.ways_over_face(point, face)?;
+        let n = self.normal(face).scaled(&(&point.denominator * &point.denominator));
         // The plane goes through the corners' mean: k times the distance times |N|.
-        let k = BigInt::from(corners.len());
+        let k = BigInt::from(ways.len());
         let off = n.dot(&ways.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, way| sum.plus(way)));
         let denominator = n.norm_squared() * &k * &k;
         let way = if off.is_negative() { n.negated() } else { n };
@@ -167,21 +168,21 @@ impl<'p> LatticeSurface<'p> {
         let ways = vec![OnceCell::new(); self.points.len()];
         let way = |v: VertexId| ways[v.index()].get_or_init(|| point.way_to(&self.points[v.index()]));
         let triangles = || self.near.triangles().enumerate();
-        let is_on = |(k, corners)| {
-            self.near.may_hold_beginning(k, &near_ways) && triangle_holds_origin(<[_; 3]>::map(corners, way))
+        let is_on = |(triangle, corners)| {
+            self.near.may_hold_beginning(triangle, &near_ways) && triangle_holds_origin(<[_; 3]>::map(corners, way))
         };
         if triangles().any(is_on) {
             return false;
         }
         // As `surface_holds_origin` does it, along the same rays.
-        let is_odd = |k: i32| {
+        let along = |k: i32| {
             let (near_ray, exact_ray) = (ray(k), ray(k));
-            triangles().try_fold(false, |odd, (k, corners)| {
-                let seen = self.near.ray_crosses(k, &near_ways, &near_ray);
-                Some(odd ^ seen.or_else(|| ray_crosses(corners.map(way), &exact_ray))?)
-            })
+            are_odd(triangles().map(|(triangle, corners)| {
+                let seen = self.near.ray_crosses(triangle, &near_ways, &near_ray);
+                seen.or_else(|| ray_crosses(corners.map(way), &exact_ray))
+            }))
         };
-        (1..).find_map(is_odd).unwrap_or(false)
+        (1..).find_map(along).unwrap_or(false)
     }
 }
 

@@ -4,7 +4,7 @@
 use super::Fraction;
 use crate::interiors::ball;
 use crate::number::Ball;
-use crate::point_in_surface::{ray, triangle_corners};
+use crate::point_in_surface::{are_odd, ray, triangle_corners};
 use num_bigint::BigInt;
 use rockproof_model::block::face_normal;
 use rockproof_model::topology::loop_pairs;
@@ -135,7 +135,7 @@ impl<'b> NearSurface<'b> {
     /// is not certain for each triangle ([`NearSurface::ray_crosses`]).
     fn is_odd(&self, ways: &[Vec3<Ball>], k: i32) -> Option<bool> {
         let ray = ray(k);
-        (0..self.triangles.len()).try_fold(false, |odd, triangle| Some(odd ^ self.ray_crosses(triangle, ways, &ray)?))
+        are_odd((0..self.triangles.len()).map(|triangle| self.ray_crosses(triangle, ways, &ray)))
     }
 
     /// Whether a ray from where the ways begin crosses a triangle. `None` where it is not certain that the ray's line misses it or passes through its
