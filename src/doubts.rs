@@ -1,10 +1,10 @@
 //! What of the tolerances and options given can hardly be meant: told beside the answer, which stays as it is.
 
-use crate::exit::print_note;
+use crate::exit::{print_note, shows_notes};
 use num_traits::ToPrimitive;
 use rockproof_examine::{BareEdge, Overlaps, StoredEnergy, bare_edges, short, unexplained_energy};
 use rockproof_model::simulation::derive_stiffness;
-use rockproof_model::{Block, Number, Scene, ToleranceSet, tolerance_rules};
+use rockproof_model::{Block, Number, Scene, SceneBlock, ToleranceSet, tolerance_rules};
 use std::sync::atomic::AtomicBool;
 
 /// The lengths of a tolerance set.
@@ -22,7 +22,9 @@ pub(crate) fn tell_of_tolerances(blocks: &[&Block], set: &ToleranceSet) {
 
 /// Tells whether closed contacts may pull a block as much as it weighs.
 pub(crate) fn tell_of_pull(scene: &Scene, set: &ToleranceSet) {
-    if let Some(doubt) = pull(scene, set) {
+    if shows_notes()
+        && let Some(doubt) = pull(scene, set)
+    {
         print_note(&doubt);
     }
 }
@@ -46,7 +48,7 @@ fn pull(scene: &Scene, set: &ToleranceSet) -> Option<String> {
         return None;
     }
     let moving = || scene.blocks.iter().enumerate().filter(|(_, block)| !block.body.is_fixed());
-    let weight = |block: &rockproof_model::SceneBlock| {
+    let weight = |block: &SceneBlock| {
         let density = simulation.materials[block.body.material].density.approximate();
         block.block.volume().to_f64().unwrap_or(f64::INFINITY) * density * gravity
     };
@@ -56,17 +58,19 @@ fn pull(scene: &Scene, set: &ToleranceSet) -> Option<String> {
     let (count, all) = (held.len(), moving().count());
     Some(format!(
         "closed contacts may pull: they open where the gap is wider than open, {} m, and three of them pull by {} N until then, no less than the weight of {count} of {all} moving blocks (block {lightest}: {} N), which may hang or stick. \
-         An open of {} m or less pulls none so much{}",
+         An open of {} m or less pulls none so much; in f64 `auto` has far less",
         short(set.open.approximate()),
         short(pull),
         short(least),
         short(least / (CONTACTS * softest)),
-        if set.open.approximate() > 1e-6 { "; in f64 `auto` has far less" } else { "" }
     ))
 }
 
 /// Tells what `check` warns of in a model that steps begin with: that of the steps which follow from it, they do not tell.
 pub(crate) fn tell_of_warnings(scene: &Scene, set: &ToleranceSet, overlaps: &Overlaps, check: &str) {
+    if !shows_notes() {
+        return;
+    }
     let mut titles: Vec<&str> = Vec::new();
     titles.extend(tolerance_rules::thin(set, &scene.shapes()).map(|_| THIN));
     titles.extend(tolerance_rules::warnings(set, scene).iter().map(|warning| warning.kind.title()));

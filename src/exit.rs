@@ -176,9 +176,14 @@ pub(crate) fn refuse(error: &clap::Error) -> ExitCode {
     ExitCode::from(2)
 }
 
+/// Whether notes are printed: what takes long to find out need not be, without.
+pub(crate) fn shows_notes() -> bool {
+    !QUIET.load(Ordering::Relaxed)
+}
+
 /// Tells something worth knowing on stderr, unless `--quiet` is given.
 pub(crate) fn print_note(message: &str) {
-    if !QUIET.load(Ordering::Relaxed) {
+    if shows_notes() {
         print_labelled(&harmless(&format!("note: {message}")));
     }
 }

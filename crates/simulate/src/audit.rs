@@ -187,7 +187,7 @@ impl AuditTotals {
         if self.steps_deep > 0 && !self.finds_fault() {
             let (deep, all) = (self.steps_deep, self.steps);
             parts.push(format!(
-                "deeper than penetration after {deep} of {all} {}, where only contacts that were closed before see it, and push a block on that is beyond the middle of another",
+                "deeper than penetration after {deep} of {all} {}, seen only by contacts that were closed before, which push a block through once it is past the middle of another",
                 noun(all, "step", "steps")
             ));
         }
@@ -245,7 +245,7 @@ mod tests {
         assert!(!totals.finds_fault() && !totals.sentence().contains("deeper than"));
         let mut deep = totals.clone();
         deep.add(3, &StepAudit { is_deep: true, ..held.clone() });
-        let expected = "no unseen overlap and no passage in 4 steps; deeper than penetration after 1 of 4 steps, where only contacts that were closed before see it, and push a block on that is beyond the middle of another";
+        let expected = "no unseen overlap and no passage in 4 steps; deeper than penetration after 1 of 4 steps, seen only by contacts that were closed before, which push a block through once it is past the middle of another";
         assert_eq!((deep.verdict().as_str(), deep.finds_fault()), (expected, false));
         assert!(totals.sentence().ends_with("; deepest overlap (worst 0–1, 0.5000 m, step 1)"));
         assert_eq!(totals.deepest_in_words(), "0.5000 m at most, of blocks 0 and 1 in step 1");
