@@ -1,10 +1,9 @@
 //! Whether external engines answered, and whether anything in a gate is about what they answered.
 
-use super::config::GateConfig;
+use super::config::{Baseline, GateConfig};
 use super::tally::CampaignTally;
 use super::tally_row::TallyRow;
 use super::{Check, CheckStatus, limit_scope};
-use rockproof_differential::finding::Cause;
 use rockproof_model::text::noun;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,8 +17,7 @@ pub fn checks(
     limits: &[Check],
     corpus: &BTreeSet<String>,
 ) -> Vec<Check> {
-    let baseline = config.baseline.as_ref();
-    let known = baseline.is_some_and(|baseline| baseline.causes.iter().any(|cause| cause == Cause::Engine.name()));
+    let known = config.baseline.as_ref().is_some_and(Baseline::is_about_external_engines);
     let check = |spec: &rockproof_differential::external::EngineSpec| {
         let name = &spec.name;
         let answers = tally.answers(name);

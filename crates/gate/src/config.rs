@@ -49,6 +49,13 @@ pub struct Baseline {
     pub confidence: Option<f64>,
 }
 
+impl Baseline {
+    /// Whether findings about external engines must be known, and so what these engines say.
+    pub fn is_about_external_engines(&self) -> bool {
+        self.causes.iter().any(|cause| cause == Cause::Engine.name())
+    }
+}
+
 /// How many findings of a sort there may be. What a limit leaves out may be anything.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]

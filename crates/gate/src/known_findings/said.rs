@@ -4,7 +4,6 @@ use super::{KnownFindings, rowless};
 use crate::config::Baseline;
 use crate::{Check, CheckStatus};
 use rockproof_differential::answer_detail::{AnswerDetail, CountedPairs, DetailShift};
-use rockproof_differential::finding::Cause;
 
 impl KnownFindings {
     /// A failed check for each external engine that says less of its contacts, or of how blocks lie, than it did: what it does not say is not compared, so
@@ -15,7 +14,7 @@ impl KnownFindings {
         (run, pairs): (&str, CountedPairs),
         baseline: &Baseline,
     ) -> Vec<Check> {
-        if !baseline.causes.iter().any(|cause| cause == Cause::Engine.name()) {
+        if !baseline.is_about_external_engines() {
             return Vec::new();
         }
         let both = self.said.iter().filter_map(|(engine, was)| Some((engine, *was, *now.said.get(engine)?)));
@@ -40,7 +39,7 @@ impl KnownFindings {
 
     /// A skipped check for each external engine that leaves something unsaid where the file does not say how much it said: it may say less than it did.
     pub(super) fn not_known(&self, now: &KnownFindings, run: &str, baseline: &Baseline) -> Vec<Check> {
-        if !baseline.causes.iter().any(|cause| cause == Cause::Engine.name()) {
+        if !baseline.is_about_external_engines() {
             return Vec::new();
         }
         let is_known = |engine: &String| self.said.get(engine).is_some_and(|was| was.counts_answers());
