@@ -24,14 +24,14 @@ pub(super) fn run(text: &str, path: &Path, format: &FormatArgs) -> Outcome {
     let mut text = String::new();
     // Writing to a String cannot fail.
     let _ = show(&mut text, &case, compared, drift);
-    let recurs = replayed.recurs();
-    text += if recurs {
-        "\nthe finding recurs\n"
-    } else {
-        "\nthe finding does not recur: nothing differs in the step now\n"
+    let (recurs, undecided) = (replayed.recurs(), replayed.undecided());
+    text += &match &undecided {
+        Some(undecided) => format!("\nwhether the finding recurs is not known: {undecided}\n"),
+        None if recurs => "\nthe finding recurs\n".to_owned(),
+        None => "\nthe finding does not recur: nothing differs in the step now\n".to_owned(),
     };
     let is_expected = replayed.is_expected(&case);
-    format.print(|| text, || document(&case, (compared, drift), recurs, is_expected))?;
+    format.print(|| text, || document(&case, &replayed, is_expected))?;
     if is_expected {
         return Ok(if recurs { ExitStatus::Passed } else { ExitStatus::CheckFailed });
     }
@@ -40,7 +40,8 @@ pub(super) fn run(text: &str, path: &Path, format: &FormatArgs) -> Outcome {
 }
 
 /// The same for programs.
-fn document(case: &StepCase, (step, drift): (&ComparedStep, Option<Drift>), recurs: bool, is_expected: bool) -> Value {
+fn document(case: &StepCase, replayed: &ReplayedStep, is_expected: bool) -> Value {
+    let (step, drift) = (&replayed.compared, replayed.drift);
     let side = |answer: &StepDecisions| {
         let contact = |(number, (blocks, contact)): (usize, &([u32; 2], Contact))| {
             let modes: Vec<&str> = answer.modes.iter().filter_map(|all| Some(all.get(number)?.name())).collect();
@@ -85,7 +86,8 @@ fn document(case: &StepCase, (step, drift): (&ComparedStep, Option<Drift>), recu
     let [stepper, oracle] = step.penetration;
     json!({
         "step": case.step, "engine": case.engine, "recorded_by": case.version,
-        "recurs": recurs,
+        "recurs": replayed.recurs(),
+        "not_known": replayed.undecided(),
         "exact_answer_as_recorded": is_expected,
         "oracle": step.oracle.as_ref().map(side),
         "stepper": step.stepper.as_ref().map(side),

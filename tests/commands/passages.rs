@@ -173,3 +173,20 @@ fn passages_have_cases_whatever_else_has() {
     assert!(["not-held", "step-length"].map(sorts).iter().any(|sorts| *sorts > 1), "{cases:?}");
     assert!(cases.values().any(|[findings, _]| *findings > 1), "{cases:?}");
 }
+
+#[test]
+fn a_passage_that_stays_undecided_is_not_said_to_recur() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    // A cube that falls in the notch of a U. No vertex of the U sees all of it, so that none passes through is not shown.
+    fs::write(dir.join("case.json"), include_str!("../step_cases/undecided_passage.json")).expect("written");
+    let undecided = "whether 0 and 1 pass through one another stayed undecided";
+    let (code, out) = rockproof(dir, &["replay", "case.json"]);
+    assert_eq!(code, 1, "{out}");
+    assert!(out.ends_with(&format!("\nwhether the finding recurs is not known: {undecided}\n")), "{out}");
+    let (code, out) = rockproof(dir, &["replay", "case.json", "--format", "json"]);
+    let told: serde_json::Value = serde_json::from_str(&out).expect("JSON");
+    assert_eq!((code, &told["recurs"], &told["not_known"]), (1, &false.into(), &undecided.into()), "{out}");
+    let ran = gate(dir, "corpus = [\"case.json\"]\n[campaign]\npairs = 16\nengines = [\"stepper-f64\"]\n", &[], false);
+    assert!(ran.code == 1 && ran.out.contains("skip") && ran.out.contains(undecided), "{}{}", ran.out, ran.err);
+}

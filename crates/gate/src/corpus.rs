@@ -240,6 +240,9 @@ fn judge_step(case: &StepCase, engines: &Engines) -> Result<(CheckStatus, String
             format!("{engine} does neither what is right nor what the case records: {}", new.words()),
         ),
         None if step.recurs() => (CheckStatus::Pass, "as recorded".to_owned()),
-        None => (CheckStatus::Pass, "the engine agrees".to_owned()),
+        None => match step.undecided() {
+            Some(undecided) => (CheckStatus::Skip, undecided),
+            None => (CheckStatus::Pass, "the engine agrees".to_owned()),
+        },
     })
 }

@@ -10,6 +10,7 @@ use rockproof_model::Precision;
 use rockproof_simulate::checkpoint::InvalidState;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{SetupError, Solve};
+use std::collections::BTreeSet;
 
 /// The step of a state file, made again.
 #[derive(Clone, Debug)]
@@ -74,17 +75,24 @@ impl ReplayedStep {
     }
 
     /// Whether there is anything to be told of it: a difference, a side that cannot make it, a passage or an unseen overlap, a state that
-    /// deviates.
+    /// deviates. A passage that stayed undecided is nothing that was found.
     pub fn recurs(&self) -> bool {
-        let intrusions = |watched: &WatchedStep| {
-            let sides = [&watched.oracle, &watched.stepper];
-            sides.into_iter().any(|side| !side.found.is_empty() || !side.undecided.is_empty())
-        };
+        let intrusions =
+            |watched: &WatchedStep| [&watched.oracle, &watched.stepper].into_iter().any(|side| !side.found.is_empty());
         let step = &self.compared;
         self.drift.is_some()
             || !step.differences.is_empty()
             || !step.failure.is_empty()
             || step.watched.as_ref().is_some_and(intrusions)
+    }
+
+    /// That nothing was found, but it stayed undecided whether some blocks pass through one another, so nobody knows whether there is anything.
+    pub fn undecided(&self) -> Option<String> {
+        let watched = self.compared.watched.as_ref().filter(|_| !self.recurs())?;
+        let pairs = watched.oracle.undecided.iter().chain(&watched.stepper.undecided);
+        let pairs: BTreeSet<String> = pairs.map(|[a, b]| format!("{a} and {b}")).collect();
+        let pairs: Vec<String> = pairs.into_iter().collect();
+        (!pairs.is_empty()).then(|| format!("whether {} pass through one another stayed undecided", pairs.join(", ")))
     }
 
     /// Whether the oracle answers what a case records.
