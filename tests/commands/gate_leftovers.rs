@@ -91,6 +91,7 @@ fn the_command_that_replays_can_be_pasted() {
     let (_, told) = ran.err.split_once("to replay: ").expect("a command");
     let pasted = told.lines().next().expect("a line").strip_prefix("rockproof").expect("the program");
     let program = assert_cmd::cargo::cargo_bin!("rockproof").display();
+    assert!(pasted.contains("mine:timeout_ms:500="), "{pasted}");
     let script = format!("'{program}'{pasted}");
     let output = std::process::Command::new("sh").current_dir(dir).args(["-c", &script]).output().expect("a shell");
     let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));

@@ -28,11 +28,20 @@ pub struct EngineSpec {
 }
 
 impl EngineSpec {
-    /// The argument of `--engine-command` that names it, for a shell.
+    /// The argument of `--engine-command` that names it, with all that is not usual of it, for a shell.
     pub fn argument(&self) -> String {
-        let precision = if self.precision == NumberFormat::F32 { ":f32" } else { "" };
+        let mut name = self.name.clone();
+        if self.precision == NumberFormat::F32 {
+            name += ":f32";
+        }
+        if !self.has_usual_accuracy() {
+            name += &format!(":{ACCURACY}:{}", self.accuracy);
+        }
+        if self.timeout_ms != default_timeout() {
+            name += &format!(":{TIMEOUT}:{}", self.timeout_ms);
+        }
         let command: Vec<String> = self.command.iter().map(|word| quoted(word)).collect();
-        quoted(&format!("{}{precision}={}", self.name, command.join(" ")))
+        quoted(&format!("{name}={}", command.join(" ")))
     }
 }
 
@@ -74,7 +83,7 @@ pub enum EngineSpecError {
     )]
     Form(String),
     /// A precision that is none.
-    #[error("\"{}\" in \"{}\": a precision is f32 or f64", excerpt(.found, EXCERPT_LENGTH), excerpt(.text, EXCERPT_LENGTH))]
+    #[error("\"{}\" in \"{}\": a precision is f32 or f64; beside it there may be {ACCURACY}:NUMBER and {TIMEOUT}:NUMBER", excerpt(.found, EXCERPT_LENGTH), excerpt(.text, EXCERPT_LENGTH))]
     Precision {
         /// What was found.
         found: String,
@@ -84,6 +93,16 @@ pub enum EngineSpecError {
     /// A name that cannot be one.
     #[error("engine name \"{name}\": allowed are letters, digits, '-', '_' and '.', at most {LONGEST_NAME} of them, the first a letter or digit, and none of any, f32, f64, {list}", name = excerpt(.0, EXCERPT_LENGTH), list = ENGINES.join(", "))]
     Name(String),
+    /// An accuracy, or a time to answer, that is no number.
+    #[error("\"{}\" in \"{}\": allowed behind `{key}:` is a whole number", excerpt(.found, EXCERPT_LENGTH), excerpt(.text, EXCERPT_LENGTH))]
+    Number {
+        /// `accuracy` or `timeout_ms`.
+        key: &'static str,
+        /// What was found.
+        found: String,
+        /// Where.
+        text: String,
+    },
     /// Two engines of one name.
     #[error("two external engines have the name \"{}\"; each needs its own", excerpt(.0, EXCERPT_LENGTH))]
     Twice(String),
@@ -115,6 +134,12 @@ pub enum EngineSpecError {
 
 /// The most characters of the name of an engine.
 pub const LONGEST_NAME: usize = 300;
+
+/// What stands before an accuracy in `--engine-command`, the key of a file.
+const ACCURACY: &str = "accuracy";
+
+/// The same before the time for an answer (ms).
+const TIMEOUT: &str = "timeout_ms";
 
 /// Whether a text can be the name of an engine, in tables and files; no spreadsheet takes it for a formula.
 pub fn is_name(text: &str) -> bool {
@@ -164,24 +189,35 @@ fn command<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<Stri
 }
 
 impl EngineSpec {
-    /// The engine in `NAME=COMMAND` or `NAME:f32=COMMAND`.
+    /// The engine in `NAME=COMMAND` or `NAME:f32=COMMAND`, or with more of it before the sign, as in `NAME:f32:accuracy:4096:timeout_ms:500=COMMAND`.
     ///
     /// # Errors
     /// What is wrong with the text.
     pub fn parse(text: &str) -> Result<EngineSpec, EngineSpecError> {
         let (name, command) = text.split_once('=').ok_or_else(|| EngineSpecError::Form(text.to_owned()))?;
-        let (name, precision) = match name.split_once(':') {
-            None => (name, NumberFormat::F64),
-            Some((name, "f32")) => (name, NumberFormat::F32),
-            Some((name, "f64")) => (name, NumberFormat::F64),
-            Some((_, found)) => {
-                return Err(EngineSpecError::Precision { found: found.to_owned(), text: text.to_owned() });
+        let mut parts = name.split(':');
+        let name = parts.next().unwrap_or_default().trim().to_owned();
+        let (mut precision, mut timeout_ms, mut accuracy) =
+            (NumberFormat::default(), default_timeout(), default_accuracy());
+        while let Some(part) = parts.next() {
+            let mut number = |key| {
+                let found = parts.next().unwrap_or_default();
+                let no_number = |_| EngineSpecError::Number { key, found: found.to_owned(), text: text.to_owned() };
+                found.parse().map_err(no_number)
+            };
+            match part {
+                "f32" => precision = NumberFormat::F32,
+                "f64" => precision = NumberFormat::F64,
+                ACCURACY => accuracy = number(ACCURACY)?,
+                TIMEOUT => timeout_ms = number(TIMEOUT)?,
+                found => {
+                    return Err(EngineSpecError::Precision { found: found.to_owned(), text: text.to_owned() });
+                }
             }
-        };
-        let (name, command) = (name.trim().to_owned(), command.to_owned());
+        }
+        let command = command.to_owned();
         let words = split(&command).ok_or_else(|| EngineSpecError::Command { name: name.clone(), command })?;
-        let spec =
-            EngineSpec { name, command: words, precision, timeout_ms: default_timeout(), accuracy: default_accuracy() };
+        let spec = EngineSpec { name, command: words, precision, timeout_ms, accuracy };
         spec.check()?;
         Ok(spec)
     }
@@ -245,6 +281,21 @@ mod tests {
             (&format!("{}=client", "e".repeat(301)), "at most 300 of them"),
             ("-a=client", "the first a letter or digit"),
             ("a:f16=client", "f32 or f64"),
+    #[test]
+    fn an_argument_names_the_same_engine() {
+        let usual = EngineSpec::parse("mine=./client --fast").expect("good");
+        assert_eq!(usual.argument(), "'mine=./client --fast'");
+        let f32 = EngineSpec { precision: NumberFormat::F32, ..usual.clone() };
+        let loose = EngineSpec { accuracy: 4096, ..f32.clone() };
+        let hasty = EngineSpec { timeout_ms: 500, ..loose.clone() };
+        assert_eq!(hasty.argument(), "'mine:f32:accuracy:4096:timeout_ms:500=./client --fast'");
+        let spaced = EngineSpec { timeout_ms: 60_000, command: vec!["a b".to_owned()], ..usual.clone() };
+        for spec in [usual, f32, loose, hasty, spaced] {
+            let words = shlex::split(&spec.argument()).expect("one word");
+            assert_eq!(words.iter().map(|word| EngineSpec::parse(word)).collect::<Vec<_>>(), [Ok(spec)]);
+        }
+    }
+
             ("a=", "names no program"),
             ("a='client", "a quote is not closed"),
         ] {
@@ -256,6 +307,10 @@ mod tests {
             assert_eq!(EngineSpec::check_all(&[with(most)]), Ok(()));
             let fault = EngineSpec::check_all(&[with(most + 1)]).expect_err("no gap is wrong").to_string();
             assert!(fault.contains(&format!("allowed are at most {most},")), "{fault}");
+            ("a:accuracy=client", "\"\" in \"a:accuracy=client\": allowed behind `accuracy:` is a whole number"),
+            ("a:timeout_ms:-1=client", "allowed behind `timeout_ms:` is a whole number"),
+            ("a:timeout_ms:0=client", "timeout_ms is 0"),
+            ("a:accuracy:9000000000000=client", "accuracy is 9000000000000"),
         }
         let one = EngineSpec::parse("a=x").expect("good");
         let fault = EngineSpec::check_all(&[one.clone(), one]).expect_err("twice").to_string();
