@@ -10,7 +10,7 @@ use crate::stop::on_ctrl_c;
 use crate::stress;
 use crate::terminal::threads;
 use anyhow::Context;
-use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::config::{CampaignConfig, SettingPlace};
 use rockproof_campaign::diagnosis;
 use rockproof_campaign::engines::{Engines, EnginesError};
 use rockproof_campaign::journal::Journal;
@@ -23,6 +23,8 @@ use rockproof_differential::builtin::full_name;
 use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::subject::PairSource;
 use rockproof_model::Number;
+use rockproof_gate::setting_line::place_of;
+use rockproof_gate::toml_error::toml_error;
 use rockproof_model::files::read_text;
 use rockproof_results::Start;
 use serde_json::{Map, Value};
@@ -221,8 +223,10 @@ impl Campaign {
             None => CampaignConfig::default(),
             Some(path) => {
                 let here = || path.display().to_string();
-                let config = CampaignConfig::from_toml(&read_text(path).with_context(here)?).with_context(here)?;
-                check_names(&config).with_context(here)?;
+                let text = read_text(path).with_context(here)?;
+                let told = |error| anyhow::Error::msg(toml_error(&here(), &text, &error));
+                let config = CampaignConfig::from_toml(&text).map_err(told)?;
+                check_names(&config, |setting| place_of(&here(), &text, None, setting))?;
                 config
             }
         };
@@ -307,15 +311,16 @@ pub(crate) fn pair_source(config: &CampaignConfig) -> anyhow::Result<Box<dyn Pai
 }
 
 /// Checks the names in a file of settings, before options override any: whatever comes after is about the options.
-fn check_names(config: &CampaignConfig) -> anyhow::Result<()> {
+/// `place` is where in the file a setting stands.
+fn check_names(config: &CampaignConfig, place: impl Fn(Option<SettingPlace<'_>>) -> String) -> anyhow::Result<()> {
     let mut names = CampaignConfig { real: Vec::new(), ..config.clone() };
     names.settle_engines();
     match Engines::of(&names) {
         // An option may name one.
         Ok(_) | Err(EnginesError::None { .. }) => {}
-        Err(error) => return Err(error.into()),
+        Err(error) => anyhow::bail!("{}: {error}", place(error.setting())),
     }
-    source::of(&names).map(drop).map_err(anyhow::Error::new)
+    source::of(&names).map(drop).map_err(|error| anyhow::anyhow!("{}: {error}", place(error.setting())))
 }
 
 /// Asks the external engines a first question; `false` where they were ended with the program.

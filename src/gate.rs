@@ -8,7 +8,7 @@ use crate::table::{prose, table};
 use crate::terminal::threads;
 use crate::{gate_baseline, gate_diagnosis, gate_settings};
 use anyhow::Context;
-use rockproof_campaign::config::CampaignConfig;
+use rockproof_campaign::config::{CampaignConfig, SettingPlace};
 use rockproof_campaign::engines::Engines;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
@@ -25,6 +25,7 @@ use rockproof_gate::answers;
 use rockproof_gate::config::{GateConfig, line_of};
 use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::tally::CampaignTally;
+use rockproof_gate::setting_line::place_of;
 use rockproof_gate::tally_row::TallyRow;
 use rockproof_gate::{self, Check, corpus, junit, limit_scope, summary};
 use rockproof_model::files::read_text;
@@ -109,8 +110,11 @@ impl Gate {
         let file = self.file.display().to_string();
         let text = read_text(&self.file).with_context(|| file.clone())?;
         let config = GateConfig::from_toml(&text, &file).map_err(anyhow::Error::msg)?;
-        let engines = Engines::of(&config.campaign).with_context(|| file.clone())?;
-        let source = source::of(&config.campaign).with_context(|| file.clone())?;
+        let place = |setting: Option<SettingPlace<'_>>| place_of(&file, &text, Some("campaign"), setting);
+        let engines =
+            Engines::of(&config.campaign).map_err(|error| anyhow::anyhow!("{}: {error}", place(error.setting())))?;
+        let source =
+            source::of(&config.campaign).map_err(|error| anyhow::anyhow!("{}: {error}", place(error.setting())))?;
         self.check_names(&config, &engines, &text)?;
         limit_scope::check(&config, &source, (&file, &text)).map_err(anyhow::Error::msg)?;
         anyhow::ensure!(
@@ -127,7 +131,7 @@ impl Gate {
         };
         self.refuse_inputs(&config)?;
         end_on_ctrl_c()?;
-        engines.probe().with_context(|| file.clone())?;
+        engines.probe().map_err(|error| anyhow::anyhow!("{}: {error}", place(error.setting())))?;
         // The campaigns have directories of their own in it; this says to other commands whose it is.
         let claim = Claim { dir: &self.out, owner: Owner::Gate, start: Start::Overwrite, files: &[] };
         let claimed = Directory::claim(claim)?;

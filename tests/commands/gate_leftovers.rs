@@ -2,6 +2,7 @@
 
 use crate::engines::client;
 use crate::gates::{around, gate};
+use crate::place::rockproof_in;
 use assert_cmd::Command;
 use std::fs;
 
@@ -90,8 +91,8 @@ fn the_command_that_replays_can_be_pasted() {
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
     let (_, told) = ran.err.split_once("to replay: ").expect("a command");
     let pasted = told.lines().next().expect("a line").strip_prefix("rockproof").expect("the program");
-    let program = assert_cmd::cargo::cargo_bin!("rockproof").display();
     assert!(pasted.contains("mine:timeout_ms:500="), "{pasted}");
+    let program = assert_cmd::cargo::cargo_bin!("rockproof").display();
     let script = format!("'{program}'{pasted}");
     let output = std::process::Command::new("sh").current_dir(dir).args(["-c", &script]).output().expect("a shell");
     let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
@@ -104,4 +105,40 @@ fn the_command_that_replays_can_be_pasted() {
     let output = std::process::Command::new("sh").current_dir(dir).args(["-c", &script]).output().expect("a shell");
     let err = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(2) && err.contains("does not answer a first question"), "{err}");
+}
+
+/// Of what is wrong with a value of the campaign the line is told, in a gate file as in the settings of a campaign.
+#[test]
+fn errors_about_values_of_the_campaign_have_their_line() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let dir = dir.path();
+    let external = |lines: &str| format!("chunk = 16\n[[external]]\nname = \"mine\"\n{lines}\n");
+    for (text, line, wanted) in [
+        ("engines = [\"stepper-f16\"]\n".to_owned(), 1, "engine \"stepper-f16\" does not exist"),
+        ("seed = 1\nfamilies = [\n  \"sliver\",\n  \"nope\",\n]\n".to_owned(), 4, "family \"nope\" does not exist"),
+        ("tolerances = [\"nope\"]\n".to_owned(), 1, "tolerance set \"nope\" does not exist"),
+        ("\nchunk = 0\n".to_owned(), 2, "chunk is 0; allowed are 1 to 65536 pairs"),
+        ("\n\nscale = \"0\"\n".to_owned(), 3, "scale is 0; allowed is above 0"),
+        ("seed = \"x\"\n".to_owned(), 1, "seed is \"x\"; allowed is a whole number from 0"),
+        (external("command = \"x\"\ntimeout_ms = 0"), 5, "engine \"mine\": timeout_ms is 0; allowed are 1 and more"),
+        (external("command = \"x\"\n\naccuracy = 9000000000000"), 6, "engine \"mine\": accuracy is 9000000000000"),
+        (
+            external("command = 3"),
+            4,
+            "command is 3; allowed is a text in quotes, as \"python3 client.py\", or a list of texts",
+        ),
+        (external("command = [\"x\", 4]"), 4, "command is 4; allowed is a text in quotes"),
+        (external("command = \"./nothing\""), 4, "engine \"mine\" (./nothing) does not answer a first question"),
+    ] {
+        let settings = text.replace("[[external]]", "[[campaign.external]]");
+        let ran = gate(dir, &format!("corpus = []\n[campaign]\n{settings}[[limit]]\ncount = 0\n"), &[], false);
+        let told = format!("error: gate.toml line {}: {wanted}", line + 2);
+        assert!(ran.code == 2 && ran.err.starts_with(&told), "{told}: {}", ran.err);
+        if wanted.contains("first question") {
+            continue;
+        }
+        fs::write(dir.join("settings.toml"), &text).expect("written");
+        let (code, _, err) = rockproof_in(dir, &["campaign", "settings.toml", "--out", "out"]);
+        assert!(code == 2 && err.starts_with(&format!("error: settings.toml line {line}: {wanted}")), "{err}");
+    }
 }

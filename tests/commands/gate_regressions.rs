@@ -4,6 +4,7 @@
 use crate::engines::{client, cpp_client};
 use crate::gates::{around, gate};
 use crate::mistaken_engine::OneEngine;
+use crate::place::rockproof_in;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
@@ -168,6 +169,45 @@ fn who_changes_their_mind_fails() {
     let case = fs::read_dir(dir.path().join("reports/gate/fixed/cases")).expect("cases").next();
     let case = fs::read_to_string(case.expect("a case").expect("a case").path()).expect("a case");
     assert!(case.contains("change = \"unstable\""), "{case}");
+}
+
+/// Of an engine that says only how blocks lie, and is asked twice whatever the gate says: it agrees, or is wrong, or changes its mind as when the case was made.
+#[test]
+fn cases_of_unstable_states_are_judged() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let dir = dir.path();
+    let known = include_str!("../../cases/regressions/v-v-arithmetic-swap.toml");
+    let (_, tolerances) = known.split_once("[tolerances]").expect("tolerances");
+    let (tolerances, _) = tolerances.split_once("[[block]]").expect("blocks");
+    let cube = |x: i32| {
+        let corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+        let corners = corners.map(|[along, y, z]| [x + along, y, z]);
+        let faces = "[[3,2,1,0],[4,5,6,7],[0,1,5,4],[1,2,6,5],[2,3,7,6],[3,0,4,7]]";
+        format!("[[block]]\nvertices = {corners:?}\nfaces = {faces}\n")
+    };
+    let about = "[case]\nengine = \"mine\"\ncause = \"engine\"\nchange = \"unstable\"\nexpected = []\nfound = []\n";
+    let case = format!("{about}[tolerances]{tolerances}{}{}", cube(0), cube(9));
+    fs::write(dir.join("case.toml"), case).expect("written");
+    let says = |state: &str| format!("'{}' apart | sed -u s/apart/{state}/", client());
+    // Every other process says something else.
+    let count = dir.join("started").display().to_string();
+    let (right, wrong) = (says("apart"), says("touching"));
+    let moody = format!("echo >> '{count}'; if [ $(($(wc -l < '{count}') % 2)) = 0 ]; then {right}; else {wrong}; fi");
+    for (script, code, wanted) in
+        [(&right, 0, "the engine agrees"), (&wrong, 1, "which the case does not record"), (&moody, 0, "as recorded")]
+    {
+        let text = around(&["sh", "-c", script], "").replace("corpus = []", "corpus = [\"case.toml\"]");
+        let ran = gate(
+            dir,
+            &text.replace("pairs = 256", "pairs = 16").replace("= 500", "= 60000"),
+            &["--format", "json"],
+            false,
+        );
+        assert!(ran.code == code && ran.out.contains(wanted), "{script}: {}{}", ran.out, ran.err);
+    }
+    fs::write(dir.join("moody.sh"), &moody).expect("written");
+    let (code, out, err) = rockproof_in(dir, &["replay", "case.toml", "--engine-command", "mine=sh moody.sh"]);
+    assert!(code == 0 && out.contains("the finding recurs"), "{out}{err}");
 }
 
 const COARSE_BASELINE: &str =

@@ -65,6 +65,17 @@ pub struct CampaignConfig {
     pub shrink_evaluations: u64,
 }
 
+/// What of a configuration an error is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SettingPlace<'s> {
+    /// The external engine whose key it is; none of the campaign's own keys.
+    pub engine: Option<&'s str>,
+    /// The key.
+    pub key: &'static str,
+    /// The value in the key's list, where it has one.
+    pub value: Option<&'s str>,
+}
+
 impl Default for CampaignConfig {
     fn default() -> Self {
         CampaignConfig {

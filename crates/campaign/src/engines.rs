@@ -1,6 +1,6 @@
 //! The engines of a campaign: the built-in ones and external programs, as panels.
 
-use super::config::CampaignConfig;
+use super::config::{CampaignConfig, SettingPlace};
 use rockproof_differential::attribution::EnginePanel;
 use rockproof_differential::builtin::{self, BuiltinOracle};
 use rockproof_differential::case_file::Case;
@@ -17,6 +17,8 @@ use rockproof_model::{Block, Number, Point, Precision};
 pub struct Engines {
     builtin: Vec<String>,
     external: Vec<External>,
+    /// The external engines as they are asked about cases of unstable answers: twice. None where they are asked all twice.
+    asked_twice: Vec<External>,
     metamorphic_every: u64,
 }
 
@@ -57,6 +59,28 @@ pub enum EnginesError {
     Shortage(#[from] Shortage),
 }
 
+impl EnginesError {
+    /// What of the configuration it is about; `None` of it as a whole.
+    pub fn setting(&self) -> Option<SettingPlace<'_>> {
+        let (engine, key, value) = match self {
+            EnginesError::Unknown { found, .. } => (None, "engines", Some(found.as_str())),
+            EnginesError::None { .. } => (None, "engines", None),
+            EnginesError::NoReply { name, .. } => (Some(name), "command", None),
+            EnginesError::Spec(error) => match error {
+                EngineSpecError::Name(name) | EngineSpecError::Twice(name) => (Some(name), "name", None),
+                EngineSpecError::Command { name, .. } => (Some(name), "command", None),
+                EngineSpecError::Timeout(name) => (Some(name), "timeout_ms", None),
+                EngineSpecError::Accuracy { name, .. } => (Some(name), "accuracy", None),
+                EngineSpecError::Form(_) | EngineSpecError::Precision { .. } | EngineSpecError::Number { .. } => {
+                    return None;
+                }
+            },
+            EnginesError::Shortage(_) => return None,
+        };
+        Some(SettingPlace { engine: engine.map(String::as_str), key, value })
+    }
+}
+
 impl Engines {
     /// The engines a configuration names. No program is started.
     ///
@@ -72,8 +96,10 @@ impl Engines {
         if config.engines.is_empty() && config.external.is_empty() {
             return Err(EnginesError::None { allowed: allowed() });
         }
-        let external = config.external.iter().map(|spec| External::new(spec.clone(), config.ask_twice)).collect();
-        Ok(Engines { builtin: config.engines.clone(), external, metamorphic_every: config.metamorphic_every })
+        let started = |twice| config.external.iter().map(|spec| External::new(spec.clone(), twice)).collect();
+        let asked_twice = if config.ask_twice { Vec::new() } else { started(true) };
+        let (builtin, external) = (config.engines.clone(), started(config.ask_twice));
+        Ok(Engines { builtin, external, asked_twice, metamorphic_every: config.metamorphic_every })
     }
 
     /// Asks every external engine about two boxes, so that one that never answers is told of at once.
@@ -113,11 +139,17 @@ impl Engines {
     /// # Errors
     /// What this program lacked for one: then what that one said counts for nothing.
     pub fn check_shortage(&self) -> Result<(), Shortage> {
-        self.panel().check_shortage()
+        let mut all = self.external.iter().chain(&self.asked_twice);
+        all.find_map(|engine| engine.shortage()).map_or(Ok(()), |shortage| Err(shortage.clone()))
     }
 
     fn named(&self) -> Vec<Box<dyn Engine>> {
-        let external = self.external.iter().map(|engine| Box::new(engine.clone()) as Box<dyn Engine>);
+        self.with(&self.external)
+    }
+
+    /// The built-in engines and these.
+    fn with(&self, external: &[External]) -> Vec<Box<dyn Engine>> {
+        let external = external.iter().map(|engine| Box::new(engine.clone()) as Box<dyn Engine>);
         self.builtin.iter().filter_map(|name| builtin::engine(name)).chain(external).collect()
     }
 
@@ -156,9 +188,11 @@ impl Engines {
         self.narrow(&finding.scope, finding.difference.change)
     }
 
-    /// The same for a finding about `who` with the given change.
+    /// The same for a finding about `who` with the given change. Whether answers are unstable nobody sees who asks once, so of such a finding external
+    /// engines are asked twice, whatever the configuration says.
     pub fn narrow(&self, scope: &FindingScope, change: AnswerChange) -> EnginePanel {
-        builtin::narrowed(self.named(), scope, change)
+        let twice = change == AnswerChange::Unstable && !self.asked_twice.is_empty();
+        builtin::narrowed(if twice { self.with(&self.asked_twice) } else { self.named() }, scope, change)
     }
 
     /// The same for a case; `None` where its change does not exist or its engine takes no part.

@@ -1,6 +1,6 @@
 //! Where a campaign's pairs come from: the families, under the presets.
 
-use super::config::{CampaignConfig, LARGEST_CHUNK};
+use super::config::{CampaignConfig, LARGEST_CHUNK, SettingPlace};
 use super::families::{self, RealNeighbours};
 use super::pairs::{self, PairCase, PairConfig};
 use super::steps::{PASSAGE, motion, passing};
@@ -109,6 +109,32 @@ pub enum SourceError {
     /// The identity of the run cannot be written down.
     #[error("the configuration cannot be written as JSON: {0}")]
     Identity(#[from] serde_json::Error),
+}
+
+impl SourceError {
+    /// What of the configuration it is about; `None` of it as a whole.
+    pub fn setting(&self) -> Option<SettingPlace<'_>> {
+        let (key, value) = match self {
+            SourceError::Family { found, .. } => ("families", Some(found.as_str())),
+            SourceError::Set { found, .. } => ("tolerances", Some(found.as_str())),
+            SourceError::Reading { name, .. } => (*name, None),
+            SourceError::Chunk(_) => ("chunk", None),
+            SourceError::Spec { file, .. }
+            | SourceError::Stem { file, .. }
+            | SourceError::Known { file, .. }
+            | SourceError::Twice { file, .. } => ("tolerances", Some(file.as_str())),
+            SourceError::Grid(_) => ("grid", None),
+            // Files of tolerances are read as scenes are.
+            SourceError::Scene(error) if error.file.extension().is_some_and(|extension| extension == "toml") => {
+                return None;
+            }
+            SourceError::Scene(error) => ("real", error.file.to_str()),
+            SourceError::NoNeighbours { file } => ("real", Some(file.as_str())),
+            SourceError::NothingToDo => ("steps_every", None),
+            SourceError::Identity(_) => return None,
+        };
+        Some(SettingPlace { engine: None, key, value })
+    }
 }
 
 /// The pairs of a seed.

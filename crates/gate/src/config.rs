@@ -1,8 +1,9 @@
 //! What a gate file says.
 
 use super::possible_findings;
-use super::toml_error::{line_of_key, toml_error};
-use rockproof_campaign::config::CampaignConfig;
+use super::setting_line::line_of_setting;
+use super::toml_error::toml_error;
+use rockproof_campaign::config::{CampaignConfig, SettingPlace};
 use rockproof_campaign::steps::StepChange;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::Cause;
@@ -119,10 +120,12 @@ impl GateConfig {
             config.campaign.steps_every = 0;
         }
         config.campaign.settle_engines();
+        let line_of_key =
+            |table, key| line_of_setting(text, Some(table), &SettingPlace { engine: None, key, value: None });
         if config.campaign.pairs == 0 && (!config.limit.is_empty() || config.baseline.is_some()) {
             return Err(format!(
                 "{file} line {}: campaign.pairs is 0, where limits and baselines hold whatever the engines do; allowed are 1 and more",
-                line_of_key(text, "campaign", "pairs")
+                line_of_key("campaign", "pairs")
             ));
         }
         for limit in &config.limit {
@@ -136,13 +139,13 @@ impl GateConfig {
             {
                 if let Some(found) = list.iter().find(|name| !allowed.contains(&name.as_str())) {
                     let found = excerpt(found, EXCERPT_LENGTH);
-                    let line = line_of_key(text, "baseline", key);
+                    let line = line_of_key("baseline", key);
                     let allowed = allowed.join(", ");
                     return Err(format!("{file} line {line}: baseline.{key} has \"{found}\"; allowed are {allowed}"));
                 }
             }
             if let Some(found) = baseline.confidence.filter(|value| !is_confidence(*value)) {
-                let line = line_of_key(text, "baseline", "confidence");
+                let line = line_of_key("baseline", "confidence");
                 return Err(format!("{file} line {line}: baseline.confidence is {found}; {CONFIDENCES}"));
             }
         }

@@ -194,8 +194,7 @@ fn judge(case: &Case, engines: &Engines) -> (CheckStatus, String) {
 /// The same of an engine that says only how the blocks lie.
 fn judge_state(query: &CollisionQuery<'_>, said: ReportedState, about: &CaseDescription) -> (CheckStatus, String) {
     let CaseDescription { change, engine, .. } = about;
-    let is_judged =
-        |change: AnswerChange| change.is_of_states() || (!change.is_of_answers() && change != AnswerChange::Unstable);
+    let is_judged = |change: AnswerChange| change.is_of_states() || !change.is_of_answers();
     match query.compare(said) {
         None => (CheckStatus::Skip, "a block is concave, so nothing exact stands against the answer".to_owned()),
         Some((None, _)) if AnswerChange::from_name(change).is_some_and(is_judged) => {

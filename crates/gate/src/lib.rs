@@ -9,6 +9,7 @@ pub mod known_findings;
 pub mod limit_count;
 pub mod limit_scope;
 mod possible_findings;
+pub mod setting_line;
 pub mod tally;
 pub mod tally_row;
 pub mod toml_error;

@@ -104,18 +104,9 @@ fn header(line: &str) -> Option<&str> {
     line.split_once('#').map_or(line, |(line, _)| line.trim()).strip_prefix('[')?.strip_suffix(']')
 }
 
-/// The line, from 1, of a key of a table, or of the table's head where the key does not stand at the beginning of a line.
-pub(crate) fn line_of_key(text: &str, table: &str, key: &str) -> usize {
-    let head = format!("[{table}]");
-    let mut lines = text.lines().enumerate().map(|(at, line)| (at + 1, line.trim_start()));
-    let Some((of_head, _)) = lines.find(|(_, line)| line.starts_with(&head)) else { return 1 };
-    let is_key = |line: &str| line.strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
-    lines.take_while(|(_, line)| !line.starts_with('[')).find(|(_, line)| is_key(line)).map_or(of_head, |(at, _)| at)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{line_of_key, toml_error};
+    use super::toml_error;
     use crate::config::GateConfig;
 
     fn told(text: &str) -> String {
@@ -160,14 +151,5 @@ mod tests {
         assert_eq!(engine, "gate.toml line 4: precision is \"f16\"; allowed are f32, f64");
         let cut = told("corpus = []\n[campaign]\nfamilies = [\"sliver");
         assert!(cut.starts_with("gate.toml line 3: ") && !cut.contains('\n'), "{cut}");
-    }
-
-    #[test]
-    fn a_key_is_found_in_its_table() {
-        let text =
-            "corpus = []\n[campaign]\npairs = 3\n\n[baseline]\nfile = \"k\"\n  causes= []\n[[limit]]\nfields = 1\n";
-        let line = |table, key| line_of_key(text, table, key);
-        assert_eq!([line("campaign", "pairs"), line("baseline", "causes"), line("baseline", "fields")], [3, 7, 5]);
-        assert_eq!(line_of_key("baseline = {}\n", "baseline", "file"), 1);
     }
 }

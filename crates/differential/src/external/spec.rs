@@ -3,7 +3,10 @@
 use crate::builtin::ENGINES;
 use rockproof_model::Precision;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
-use serde::{Deserialize, Serialize};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{self, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
 use std::path::Path;
 
 /// What an external engine is called, how it is started and what is asked of it.
@@ -90,9 +93,6 @@ pub enum EngineSpecError {
         /// Where.
         text: String,
     },
-    /// A name that cannot be one.
-    #[error("engine name \"{name}\": allowed are letters, digits, '-', '_' and '.', at most {LONGEST_NAME} of them, the first a letter or digit, and none of any, f32, f64, {list}", name = excerpt(.0, EXCERPT_LENGTH), list = ENGINES.join(", "))]
-    Name(String),
     /// An accuracy, or a time to answer, that is no number.
     #[error("\"{}\" in \"{}\": allowed behind `{key}:` is a whole number", excerpt(.found, EXCERPT_LENGTH), excerpt(.text, EXCERPT_LENGTH))]
     Number {
@@ -103,6 +103,9 @@ pub enum EngineSpecError {
         /// Where.
         text: String,
     },
+    /// A name that cannot be one.
+    #[error("engine name \"{name}\": allowed are letters, digits, '-', '_' and '.', at most {LONGEST_NAME} of them, the first a letter or digit, and none of any, f32, f64, {list}", name = excerpt(.0, EXCERPT_LENGTH), list = ENGINES.join(", "))]
+    Name(String),
     /// Two engines of one name.
     #[error("two external engines have the name \"{}\"; each needs its own", excerpt(.0, EXCERPT_LENGTH))]
     Twice(String),
@@ -132,14 +135,14 @@ pub enum EngineSpecError {
     },
 }
 
-/// The most characters of the name of an engine.
-pub const LONGEST_NAME: usize = 300;
-
 /// What stands before an accuracy in `--engine-command`, the key of a file.
 const ACCURACY: &str = "accuracy";
 
 /// The same before the time for an answer (ms).
 const TIMEOUT: &str = "timeout_ms";
+
+/// The most characters of the name of an engine.
+pub const LONGEST_NAME: usize = 300;
 
 /// Whether a text can be the name of an engine, in tables and files; no spreadsheet takes it for a formula.
 pub fn is_name(text: &str) -> bool {
@@ -172,20 +175,28 @@ fn split(command: &str) -> Option<Vec<String>> {
     shlex::split(command).filter(|words| words.first().is_some_and(|program| !program.is_empty()))
 }
 
-fn command<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged, expecting = "expected a text, as \"python3 client.py\", or a list of texts")]
-    enum Either {
-        Text(String),
-        List(Vec<String>),
+/// A command in a file; of what is none the error tells what stands there.
+fn command<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    struct CommandVisitor;
+    impl<'de> Visitor<'de> for CommandVisitor {
+        type Value = Vec<String>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a text in quotes, as \"python3 client.py\", or a list of texts")
+        }
+
+        fn visit_str<E: de::Error>(self, text: &str) -> Result<Vec<String>, E> {
+            split(text).ok_or_else(|| {
+                let text = excerpt(text, EXCERPT_LENGTH);
+                E::custom(format!("\"{text}\" names no program, or a quote is not closed"))
+            })
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Vec<String>, A::Error> {
+            Vec::deserialize(SeqAccessDeserializer::new(list))
+        }
     }
-    match Either::deserialize(deserializer)? {
-        Either::List(list) => Ok(list),
-        Either::Text(text) => split(&text).ok_or_else(|| {
-            let text = excerpt(&text, EXCERPT_LENGTH);
-            serde::de::Error::custom(format!("\"{text}\" names no program, or a quote is not closed"))
-        }),
-    }
+    deserializer.deserialize_any(CommandVisitor)
 }
 
 impl EngineSpec {
@@ -271,17 +282,6 @@ mod tests {
     }
 
     #[test]
-    fn says_what_is_wrong_and_what_is_allowed() {
-        for (text, told) in [
-            ("client.py", "NAME=COMMAND"),
-            ("=client", "allowed are letters"),
-            ("f32=client", "none of any, f32, f64, stepper-f32"),
-            ("stepper-f64=client", "none of any"),
-            ("a b=client", "allowed are letters"),
-            (&format!("{}=client", "e".repeat(301)), "at most 300 of them"),
-            ("-a=client", "the first a letter or digit"),
-            ("a:f16=client", "f32 or f64"),
-    #[test]
     fn an_argument_names_the_same_engine() {
         let usual = EngineSpec::parse("mine=./client --fast").expect("good");
         assert_eq!(usual.argument(), "'mine=./client --fast'");
@@ -296,6 +296,21 @@ mod tests {
         }
     }
 
+    #[test]
+    fn says_what_is_wrong_and_what_is_allowed() {
+        for (text, told) in [
+            ("client.py", "NAME=COMMAND"),
+            ("=client", "allowed are letters"),
+            ("f32=client", "none of any, f32, f64, stepper-f32"),
+            ("stepper-f64=client", "none of any"),
+            ("a b=client", "allowed are letters"),
+            (&format!("{}=client", "e".repeat(301)), "at most 300 of them"),
+            ("-a=client", "the first a letter or digit"),
+            ("a:f16=client", "f32 or f64"),
+            ("a:accuracy=client", "\"\" in \"a:accuracy=client\": allowed behind `accuracy:` is a whole number"),
+            ("a:timeout_ms:-1=client", "allowed behind `timeout_ms:` is a whole number"),
+            ("a:timeout_ms:0=client", "timeout_ms is 0"),
+            ("a:accuracy:9000000000000=client", "accuracy is 9000000000000"),
             ("a=", "names no program"),
             ("a='client", "a quote is not closed"),
         ] {
@@ -307,10 +322,6 @@ mod tests {
             assert_eq!(EngineSpec::check_all(&[with(most)]), Ok(()));
             let fault = EngineSpec::check_all(&[with(most + 1)]).expect_err("no gap is wrong").to_string();
             assert!(fault.contains(&format!("allowed are at most {most},")), "{fault}");
-            ("a:accuracy=client", "\"\" in \"a:accuracy=client\": allowed behind `accuracy:` is a whole number"),
-            ("a:timeout_ms:-1=client", "allowed behind `timeout_ms:` is a whole number"),
-            ("a:timeout_ms:0=client", "timeout_ms is 0"),
-            ("a:accuracy:9000000000000=client", "accuracy is 9000000000000"),
         }
         let one = EngineSpec::parse("a=x").expect("good");
         let fault = EngineSpec::check_all(&[one.clone(), one]).expect_err("twice").to_string();
