@@ -3,6 +3,7 @@
 use crate::exit::{ExitStatus, Outcome, print, print_json, print_note};
 use crate::table::table;
 use rockproof_gate::comparison::{ClassChange, Trend};
+use rockproof_model::text::noun;
 use rockproof_report::PAGE;
 use rockproof_report::comparison::RunComparison;
 use rockproof_report::markdown::markdown;
@@ -23,7 +24,7 @@ use std::path::PathBuf;
   rockproof compare reports/before reports/after --out reports/change     a page, and the tables as CSV
 
 Exit status: 0 done, 1 a trend that --deny names, with --deny also an external engine that says less of
-its contacts or runs with nothing in common, 2 a directory is no finished campaign, or is damaged.")]
+its contacts, an engine that takes no part any more or runs with nothing in common, 2 a directory is no finished campaign, or is damaged.")]
 pub(crate) struct Compare {
     /// Directory of the run before
     before: PathBuf,
@@ -38,7 +39,7 @@ pub(crate) struct Compare {
     /// Discard the report in that directory; other files there stay
     #[arg(long, requires = "out")]
     overwrite: bool,
-    /// Exit with 1 if a sort of findings has changed so, or an external engine says less of its contacts; may be repeated
+    /// Exit with 1 if a sort of findings has changed so, an external engine says less of its contacts, or an engine takes no part any more; may be repeated
     #[arg(long, value_enum, value_name = "TREND", value_delimiter = ',')]
     deny: Vec<DeniedTrend>,
 }
@@ -95,7 +96,16 @@ impl Compare {
         let unknown = !self.deny.is_empty() && comparison.examined() == 0;
         // Nor must findings that ended because an engine says less of its contacts.
         let unsaid = !self.deny.is_empty() && comparison.says_less();
-        Ok(if denied || unknown || unsaid { ExitStatus::CheckFailed } else { ExitStatus::Passed })
+        // Nor findings of an engine that takes no part any more.
+        let gone: &[String] = if self.deny.is_empty() { &[] } else { comparison.gone_engines() };
+        if !gone.is_empty() {
+            print_note(&format!(
+                "denied: {} {} part in the run before alone, so nothing is known of what is denied there",
+                gone.join(", "),
+                noun(gone.len(), "takes", "take")
+            ));
+        }
+        Ok(if denied || unknown || unsaid || !gone.is_empty() { ExitStatus::CheckFailed } else { ExitStatus::Passed })
     }
 }
 

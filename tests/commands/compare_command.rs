@@ -235,11 +235,15 @@ fn findings_about_all_precisions_are_not_compared_where_these_differ() {
     let campaigns = Campaigns::new(&without_cases());
     campaigns.campaign("both", &["--engine", "stepper-f32,stepper-f64"]);
     campaigns.campaign("one", &["--engine", "stepper-f64"]);
-    let (code, out, err) = campaigns.run(&["compare", "both", "one", "--format", "json", "--deny", "new,more,other"]);
+    let (code, out, err) = campaigns.run(&["compare", "one", "both", "--format", "json", "--deny", "new,more,other"]);
     let found = document(&out);
     let classes = found["findings"]["classes"].as_array().expect("classes");
     assert!(code == 0 && !classes.is_empty(), "{out}{err}");
     assert!(classes.iter().all(|class| class["cause"] != "tolerance" && class["trend"] == "same"), "{out}");
-    let (_, out, _) = campaigns.run(&["compare", "both", "one"]);
-    assert!(out.contains("So are findings of the cause tolerance"), "{out}");
+    let (code, out, _) = campaigns.run(&["compare", "both", "one"]);
+    assert!(code == 0 && out.contains("So are findings of the cause tolerance"), "{out}");
+    // What is denied cannot be seen of an engine that takes no part any more.
+    let (code, _, err) = campaigns.run(&["compare", "both", "one", "--deny", "new"]);
+    let told = "note: denied: f32, stepper-f32 take part in the run before alone, so nothing is known of what is denied there\n";
+    assert!(code == 1 && err.contains(told), "{err}");
 }

@@ -95,6 +95,11 @@ impl RunComparison {
         self.findings.count(trend)
     }
 
+    /// Engines and precisions of the run before that take no part in the run after: nothing is known of their findings.
+    pub fn gone_engines(&self) -> &[String] {
+        &self.engines_left_out[0]
+    }
+
     /// Whether an external engine says less of its contacts, or of how blocks lie, than before, so that less is compared.
     pub fn says_less(&self) -> bool {
         self.details.iter().any(|change| change.less)
