@@ -170,6 +170,7 @@ fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
         ("engine = \"f32\"", "no engine that is given f32 takes part"),
         ("change = \"swap\"", "(campaign.metamorphic_every is 0)"),
         ("change = \"unstable\"", "(campaign.ask_twice is false)"),
+        ("beyond_ulps = 1e17", "in f64 nothing is 2^55 roundoffs from a tie"),
     ] {
         let sliver = format!("{sliver}metamorphic_every = 0\n");
         let (code, said) = own(dir.path(), &sliver, &format!("[[limit]]\n{limit}\ncount = 0\n"));

@@ -61,16 +61,35 @@ fn out_of_reach(limit: &FindingLimit, config: &GateConfig, source: &FamilySource
     if let Some(set) = limit.tolerances.as_ref().filter(|name| !sets.contains(&name.as_str())) {
         return Some(format!("tolerances {set} are none of its sets, which are {}", sets.join(", ")));
     }
-    let of = |wanted: Precision| {
-        let builtin = campaign.engines.iter().filter_map(|name| builtin::engine(name));
-        builtin
-            .map(|engine| engine.precision())
-            .chain(campaign.external.iter().map(|spec| Precision::from(spec.precision)))
-            .any(|precision| precision == wanted)
-    };
+    let builtin = campaign.engines.iter().filter_map(|name| builtin::engine(name));
+    let builtin = builtin.map(|engine| (engine.name().to_owned(), engine.precision()));
+    let external = campaign.external.iter().map(|spec| (spec.name.clone(), Precision::from(spec.precision)));
+    let engines: Vec<(String, Precision)> = builtin.chain(external).collect();
+    if let Some(why) = beyond_every_margin(limit, &engines) {
+        return Some(why);
+    }
+    let of = |wanted: Precision| engines.iter().any(|(_, precision)| *precision == wanted);
     let absent = |name: &str| (name == "f32" && !of(Precision::F32)) || (name == "f64" && !of(Precision::F64));
     let engine = limit.engine.as_ref().filter(|name| absent(name))?;
     Some(format!("no engine that is given {engine} takes part"))
+}
+
+/// That a limit is on what is further from a tie than anything is: margins are shares, of the terms of a value or of the largest coordinate. What is no
+/// answer counts however far that is.
+fn beyond_every_margin(limit: &FindingLimit, engines: &[(String, Precision)]) -> Option<String> {
+    // Two blocks are apart by no more than the diagonal of a cube, twice the largest coordinate wide.
+    const LARGEST_MARGIN: f64 = 4.0;
+    let beyond = limit.beyond_ulps?;
+    if limit.change.as_deref().and_then(AnswerChange::from_name).is_some_and(|change| !change.is_of_answers()) {
+        return None;
+    }
+    let is_concerned = |name: &str, precision: Precision| {
+        limit.engine.as_ref().is_none_or(|of| of == name || of == "any" || *of == precision.to_string())
+    };
+    let concerned = engines.iter().filter(|(name, precision)| is_concerned(name, *precision));
+    let (_, finest) = concerned.min_by(|(_, one), (_, other)| one.epsilon().total_cmp(&other.epsilon()))?;
+    let most = LARGEST_MARGIN / (finest.epsilon() / 2.0);
+    (beyond >= most).then(|| format!("in {finest} nothing is 2^{} roundoffs from a tie", most.log2()))
 }
 
 /// Why nothing in a campaign of these engines can break a limit, as far as its engine, cause and change tell: built-in and external engines share no cause of
