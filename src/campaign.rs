@@ -2,6 +2,7 @@
 
 use crate::campaign_end::print_end;
 use crate::deny::{check_deny, denied, engine_names};
+use crate::doubts::tell_of_share;
 use crate::exit::{ExitStatus, Outcome};
 use crate::input::{EngineArgs, FormatArgs, at_least_zero};
 use crate::progress::{counted_while, shown_while};
@@ -22,9 +23,9 @@ use rockproof_campaign::stress::StressSource;
 use rockproof_differential::builtin::full_name;
 use rockproof_differential::finding::{Cause, Finding};
 use rockproof_differential::subject::PairSource;
-use rockproof_model::Number;
 use rockproof_gate::setting_line::place_of;
 use rockproof_gate::toml_error::toml_error;
+use rockproof_model::Number;
 use rockproof_model::files::read_text;
 use rockproof_results::Start;
 use serde_json::{Map, Value};
@@ -132,6 +133,7 @@ impl Campaign {
     /// Runs in this process alone.
     pub(crate) fn run_here(&self) -> Outcome {
         let prepared = self.prepared()?;
+        tell_of_share(prepared.config.planarity.as_ref());
         let stop = on_ctrl_c()?;
         if !self.probed(&prepared.engines, &stop)? {
             return Ok(ExitStatus::Interrupted);

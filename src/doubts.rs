@@ -4,7 +4,10 @@ use crate::exit::{print_note, shows_notes};
 use num_traits::ToPrimitive;
 use rockproof_examine::{BareEdge, Overlaps, StoredEnergy, bare_edges, short, unexplained_energy};
 use rockproof_model::simulation::derive_stiffness;
-use rockproof_model::{Block, Number, Scene, SceneBlock, ToleranceSet, tolerance_rules};
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt, noun};
+use rockproof_model::{Block, Number, Scene, SceneBlock, ToleranceSet, Vec3, tolerance_rules};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::atomic::AtomicBool;
 
 /// The lengths of a tolerance set.
@@ -109,10 +112,47 @@ fn beyond_the_model(blocks: &[&Block], set: &ToleranceSet) -> Option<String> {
     ))
 }
 
+/// Tells of a scene that was read: faces that may be far from planar, blocks given twice.
+pub(crate) fn tell_of_scene(scene: &Scene) {
+    tell_of_planarity(scene);
+    if shows_notes()
+        && let Some(doubt) = twins(scene)
+    {
+        print_note(&doubt);
+    }
+}
+
+/// Blocks with the corners of an earlier one, in whatever order.
+fn twins(scene: &Scene) -> Option<String> {
+    let mut first: BTreeMap<Vec<[&Number; 3]>, usize> = BTreeMap::new();
+    let mut again: Vec<[usize; 2]> = Vec::new();
+    for (number, block) in scene.blocks.iter().enumerate() {
+        let mut corners: Vec<[&Number; 3]> = block.block.vertices().iter().map(Vec3::components).collect();
+        corners.sort_unstable();
+        match first.entry(corners) {
+            Entry::Vacant(place) => drop(place.insert(number)),
+            Entry::Occupied(place) => again.push([number, *place.get()]),
+        }
+    }
+    let named = |number: usize| format!("block {number} \"{}\"", excerpt(&scene.blocks[number].name, EXCERPT_LENGTH));
+    let [other, one] = again.first()?.map(named);
+    let more = match again.len() - 1 {
+        0 => String::new(),
+        more => format!(", and so {} {more} more", noun(more, "has", "have")),
+    };
+    Some(format!(
+        "{other} has the corners of {one}{more}: a block that is given twice lies within itself, and contacts cannot hold that"
+    ))
+}
+
 /// Tells of blocks whose faces may be far from planar.
-pub(crate) fn tell_of_planarity(scene: &Scene) {
-    let loosest = scene.blocks.iter().map(|block| &block.planarity).max();
-    if let Some(doubt) = loosest.and_then(loose) {
+fn tell_of_planarity(scene: &Scene) {
+    tell_of_share(scene.blocks.iter().map(|block| &block.planarity).max());
+}
+
+/// The same of a planarity that is given for all block files.
+pub(crate) fn tell_of_share(planarity: Option<&Number>) {
+    if let Some(doubt) = planarity.and_then(loose) {
         print_note(&doubt);
     }
 }
@@ -130,7 +170,6 @@ fn loose(planarity: &Number) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_model::Vec3;
 
     fn cube() -> Block {
         let corner = |c| Vec3::new(Number::from_integer(c), Number::from_integer(c), Number::from_integer(c));

@@ -1,5 +1,6 @@
 //! `gate`: does this change let contact classification get worse?
 
+use crate::doubts::tell_of_share;
 use crate::exit::{ExitStatus, Outcome, print_as_it_is, print_note};
 use crate::input::FormatArgs;
 use crate::output_file::{allow_ours, remove_ours, step_summary};
@@ -24,8 +25,8 @@ use rockproof_differential::subject::PairSource;
 use rockproof_gate::answers;
 use rockproof_gate::config::{GateConfig, line_of};
 use rockproof_gate::known_findings::KnownFindings;
-use rockproof_gate::tally::CampaignTally;
 use rockproof_gate::setting_line::place_of;
+use rockproof_gate::tally::CampaignTally;
 use rockproof_gate::tally_row::TallyRow;
 use rockproof_gate::{self, Check, corpus, junit, limit_scope, summary};
 use rockproof_model::files::read_text;
@@ -130,6 +131,7 @@ impl Gate {
             None => None,
         };
         self.refuse_inputs(&config)?;
+        tell_of_share(config.campaign.planarity.as_ref());
         end_on_ctrl_c()?;
         engines.probe().map_err(|error| anyhow::anyhow!("{}: {error}", place(error.setting())))?;
         // The campaigns have directories of their own in it; this says to other commands whose it is.

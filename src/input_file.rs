@@ -1,6 +1,6 @@
 //! The file that a command looks at: a path, or `-` for stdin.
 
-use crate::doubts::tell_of_planarity;
+use crate::doubts::tell_of_scene;
 use crate::exit::print_note;
 use crate::input::{ReadArgs, format_names};
 use crate::reading::weld_that_undoes;
@@ -171,7 +171,7 @@ impl ModelFile {
     pub(crate) fn scene(&self) -> Result<Scene, SceneError> {
         let scene = Scene::parse_bytes(&self.bytes, self.format, &self.name, &self.options);
         match &scene {
-            Ok(scene) => tell_of_planarity(scene),
+            Ok(scene) => tell_of_scene(scene),
             Err(error) => {
                 self.note_other_format(error);
                 self.note_weld();
@@ -203,7 +203,7 @@ impl ModelFile {
     pub(crate) fn survey(&self) -> Result<(Scene, Vec<SceneError>), SceneError> {
         let survey = self.survey_with(&self.options);
         match &survey {
-            Ok((scene, problems)) if problems.is_empty() => tell_of_planarity(scene),
+            Ok((scene, problems)) if problems.is_empty() => tell_of_scene(scene),
             Ok(_) => self.note_weld(),
             Err(error) => {
                 self.note_other_format(error);

@@ -45,7 +45,12 @@ fn tolerances_longer_than_the_model_are_doubted() {
 fn a_planarity_that_any_polygon_meets_is_doubted() {
     let place = Place::new();
     place.file("cube.toml", CUBE);
-    for command in [&["check", "cube.toml"][..], &["classify", "cube.toml"], &["convert", "cube.toml", "again.toml"]] {
+    place.file("two.toml", &CUBE.replace("fixed = true", ""));
+    let campaign =
+        ["campaign", "--real", "two.toml", "--family", "real", "--pairs", "16", "--out", "run", "--overwrite"];
+    for command in
+        [&["check", "cube.toml"][..], &["classify", "cube.toml"], &["convert", "cube.toml", "again.toml"], &campaign]
+    {
         let told = |share: &str| {
             let (code, _, err) = place.run(&[command, &["--planarity", share]].concat());
             assert_eq!(code, 0, "{command:?}: {err}");
@@ -54,6 +59,29 @@ fn a_planarity_that_any_polygon_meets_is_doubted() {
         };
         assert_eq!(["5", "0.11", "0.1", "1e-3"].map(told), [true, true, false, false], "{command:?}");
     }
+}
+
+/// As a generator wrote it twice, with its corners in another order.
+#[test]
+fn blocks_given_twice_are_named() {
+    let place = Place::new();
+    let wedge = |name: &str, [a, b]: [&str; 2]| {
+        format!(
+            "[[block]]\nname = \"{name}\"\nvertices = [{a}, {b}, [0, 1, 0], [0, 0, 1]]\nfaces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]\n"
+        )
+    };
+    let turned = "[[block]]\nname = \"b\"\nvertices = [[0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 0, 0]]\nfaces = [[3, 1, 2], [3, 2, 0], [2, 1, 0], [1, 3, 0]]\n";
+    let (one, other) = (wedge("a", ["[0, 0, 0]", "[1, 0, 0]"]), wedge("a", ["[0, 0, 0]", "[1.5, 0, 0]"]));
+    let told = |blocks: &[&str]| {
+        place.file("blocks.toml", &blocks.concat());
+        place.run(&["check", "blocks.toml"]).2
+    };
+    assert!(!told(&[&one, &other]).contains("has the corners of"));
+    let twice = "note: block 2 \"b\" has the corners of block 0 \"a\": a block that is given twice lies within itself, and contacts cannot hold that\n";
+    assert!(told(&[&one, &other, turned]).contains(twice));
+    assert!(
+        told(&[&one, &one, turned]).contains("block 1 \"a\" has the corners of block 0 \"a\", and so has 1 more: ")
+    );
 }
 
 #[test]
