@@ -654,6 +654,8 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
             "worst_unseen": worst(audit.worst_unseen),
             "deepest": worst(audit.deepest),
             "steps_deep": audit.steps_deep,
+            "steps_past_middle": audit.steps_past_middle,
+            "first_past_middle": worst(audit.first_past_middle),
             "passages": audit.passages,
             "worst_passage": worst(audit.worst_passage),
             "undecided_passages": audit.undecided,

@@ -165,6 +165,49 @@ fn a_cube_that_falls_through_the_floor_is_told_first_without_being_asked_for() {
     assert!(out.contains("; without --no-audit they are followed\n"), "{out}");
 }
 
+/// A cube that flies through a plate, whose springs are far too soft to stop it.
+const THROUGH: &str = r#"
+[simulation]
+gravity = [0, 0, 0]
+time_step = 0.0001
+steps = 110
+
+[[joint]]
+normal_stiffness = 1e5
+
+[[block]]
+fixed = true
+box = { min = [-1, -1, -0.5], max = [1, 1, 0] }
+
+[[block]]
+motion = "rigid"
+velocity = [0, 0, -100]
+box = { min = [-0.25, -0.25, 0], max = [0.25, 0.25, 0.5] }
+"#;
+
+#[test]
+fn a_cube_that_contacts_closed_before_do_not_stop_is_told_from_the_middle_on() {
+    let place = Place::new();
+    place.file("through.toml", THROUGH);
+    for (dir, more) in [("usual", &[][..]), ("full", &["--audit"]), ("single", &["--engine", "stepper-f32"])] {
+        let (code, out, err) = place.run(&[&["simulate", "through.toml", "--out", dir], more].concat());
+        assert_eq!(code, 1, "{out}{err}");
+        let told = "audit            blocks pass through one another: past the middle of one another after 51 of 110 steps (first 0–1, step 51, where a contact closed before measures 0.5072 m and pushes against the shorter way out)";
+        assert!(out.starts_with(told), "{out}");
+        // From where half a plate and half a cube are behind it until the other side has contacts.
+        for row in step_rows(&place, dir) {
+            let step: u64 = row["step"].parse().expect("a step");
+            assert_eq!(row["unseen_pairs"], if (51..=101).contains(&step) { "1" } else { "0" }, "{step}");
+        }
+        assert_eq!(totals_of(&place, dir)["audit"]["first_past_middle"]["step"], 51);
+    }
+    // Ten times as stiff a spring stops it before the middle, and it comes back.
+    place.file("back.toml", &THROUGH.replace("1e5", "1e7"));
+    let (code, out, err) = place.run(&["simulate", "back.toml", "--out", "back"]);
+    let told = "contacts that were closed before, and no block is past the middle of another; passages";
+    assert!(code == 0 && out.contains(told), "{out}{err}");
+}
+
 #[test]
 fn a_block_that_passes_through_another_within_a_step_is_told() {
     let place = Place::new();

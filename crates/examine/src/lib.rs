@@ -16,6 +16,7 @@ mod naming;
 mod next_command;
 mod overlaps;
 mod pairs;
+mod past_middle;
 mod pressed_springs;
 mod progress;
 mod recommend;

@@ -2,6 +2,7 @@
 
 use crate::deepest::deepest;
 use crate::error::ExamineError;
+use crate::past_middle::past_middle;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ContactKey, Number, Precision, Scene, ToleranceSet};
 use rockproof_oracle::audit::{Auditor, BoundedOverlap, Screen, rounding_depth_of_size};
@@ -97,7 +98,8 @@ impl<R: Real> AuditedRun<R> {
         let bounded = candidates.into_iter().map(|candidate| candidate.overlap).collect();
         let deepest = deepest_beyond(screen, &self.set, bounded, &floor);
         let is_deep = deepest.is_some_and(|deepest| deepest.depth_m > self.set.penetration.approximate());
-        StepAudit { unseen, deepest, is_deep, passages: None }
+        let past_middle = past_middle(&self.shapes, &self.set, screen, state);
+        StepAudit { unseen, deepest, is_deep, past_middle, passages: None }
     }
 
     /// Which pairs passed through one another. Only pairs whose boxes over the whole step meet are asked about.

@@ -46,6 +46,9 @@ pub struct StepAudit {
     pub deepest: Option<PairDepth>,
     /// Whether that is deeper than `penetration`: only contacts that were closed before are still seen there.
     pub is_deep: bool,
+    /// Pairs that are past the middle of one another, in ascending order, each with the overlap that a contact measures: contacts push them back the way they
+    /// came, though the other way out is shorter.
+    pub past_middle: Vec<PairDepth>,
     /// The passages within the step; `None` where these were not looked for.
     pub passages: Option<StepPassages>,
 }
@@ -67,7 +70,8 @@ impl StepAudit {
         let passages = self.passages.as_ref().map(|found| found.pairs.len().to_string());
         let undecided = self.passages.as_ref().map(|found| found.undecided.to_string());
         let [passages, undecided] = [passages, undecided].map(Option::unwrap_or_default);
-        [self.unseen.len().to_string(), format!("{deepest:?}"), passages, undecided]
+        let unseen = self.unseen.len() + self.past_middle.len();
+        [unseen.to_string(), format!("{deepest:?}"), passages, undecided]
     }
 }
 
@@ -99,6 +103,12 @@ pub struct AuditTotals {
     /// Steps after which some overlap was deeper than `penetration`.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub steps_deep: u64,
+    /// Steps after which some pair was past the middle of one another.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub steps_past_middle: u64,
+    /// The first of these pairs, of several the one whose contact measures most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_past_middle: Option<PairExtreme>,
     /// Passages, over all steps; none where they were not looked for.
     pub passages: Option<u64>,
     /// The passage with the greatest depth that was shown.
@@ -125,6 +135,12 @@ impl AuditTotals {
         self.steps += 1;
         self.steps_unseen += u64::from(!audit.unseen.is_empty());
         self.steps_deep += u64::from(audit.is_deep);
+        self.steps_past_middle += u64::from(!audit.past_middle.is_empty());
+        if self.first_past_middle.is_none() {
+            let first = deepest_of(&audit.past_middle);
+            self.first_past_middle =
+                first.map(|PairDepth { blocks, depth_m }| PairExtreme { blocks, depth_m: ExactFloat(depth_m), step });
+        }
         self.most_unseen = self.most_unseen.max(audit.unseen.len() as u64);
         let passages = audit.passages.as_ref();
         if let Some(found) = passages {
@@ -143,9 +159,9 @@ impl AuditTotals {
         }
     }
 
-    /// Whether blocks passed through one another or were about to: a passage, or an overlap that no contact saw.
+    /// Whether blocks passed through one another or were about to: a passage, an overlap that no contact saw, or blocks past the middle of one another.
     pub fn finds_fault(&self) -> bool {
-        self.steps_unseen > 0 || self.passages.is_some_and(|passages| passages > 0)
+        self.steps_unseen > 0 || self.steps_past_middle > 0 || self.passages.is_some_and(|passages| passages > 0)
     }
 
     /// What was found, in one line, with the deepest overlap of all.
@@ -169,6 +185,15 @@ impl AuditTotals {
                 noun(all, "step", "steps")
             ));
         }
+        if let Some(PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step }) = self.first_past_middle {
+            let [steps, all] = [self.steps_past_middle, self.steps];
+            parts.push(format!(
+                "past the middle of one another after {steps} of {all} {} (first {a}–{b}, {}, where a contact closed before measures {} m and pushes against the shorter way out)",
+                noun(all, "step", "steps"),
+                step_in_words(step),
+                in_four_digits(depth)
+            ));
+        }
         let passages = self.passages.unwrap_or(0);
         if passages > 0 {
             let worst = worst_pair_note(self.worst_passage);
@@ -187,7 +212,7 @@ impl AuditTotals {
         if self.steps_deep > 0 && !self.finds_fault() {
             let (deep, all) = (self.steps_deep, self.steps);
             parts.push(format!(
-                "deeper than penetration after {deep} of {all} {}, seen only by contacts that were closed before, which push a block through once it is past the middle of another",
+                "deeper than penetration after {deep} of {all} {}, seen only by contacts that were closed before, and no block is past the middle of another",
                 noun(all, "step", "steps")
             ));
         }
@@ -245,7 +270,7 @@ mod tests {
         assert!(!totals.finds_fault() && !totals.sentence().contains("deeper than"));
         let mut deep = totals.clone();
         deep.add(3, &StepAudit { is_deep: true, ..held.clone() });
-        let expected = "no unseen overlap and no passage in 4 steps; deeper than penetration after 1 of 4 steps, seen only by contacts that were closed before, which push a block through once it is past the middle of another";
+        let expected = "no unseen overlap and no passage in 4 steps; deeper than penetration after 1 of 4 steps, seen only by contacts that were closed before, and no block is past the middle of another";
         assert_eq!((deep.verdict().as_str(), deep.finds_fault()), (expected, false));
         assert!(totals.sentence().ends_with("; deepest overlap (worst 0–1, 0.5000 m, step 1)"));
         assert_eq!(totals.deepest_in_words(), "0.5000 m at most, of blocks 0 and 1 in step 1");
@@ -259,6 +284,23 @@ mod tests {
                         undecided; deepest overlap (worst 0–1, 0.5000 m, step 1)";
         assert_eq!(totals.sentence(), expected);
         assert_eq!(passed.cells(), ["0", "0.5", "1", "3"]);
+    }
+
+    #[test]
+    fn blocks_past_the_middle_of_one_another_are_told_by_the_first_step_that_has_them() {
+        let mut totals = AuditTotals::default();
+        totals.add(1, &StepAudit { is_deep: true, ..StepAudit::default() });
+        assert!(!totals.finds_fault());
+        let past = |depths: [f64; 2]| StepAudit {
+            past_middle: vec![pair(0, 1, depths[0]), pair(0, 2, depths[1])],
+            is_deep: true,
+            ..StepAudit::default()
+        };
+        totals.add(2, &past([0.5, 0.625]));
+        totals.add(3, &past([0.75, 0.875]));
+        let expected = "blocks pass through one another: past the middle of one another after 2 of 3 steps (first 0–2, step 2, where a contact closed before measures 0.6250 m and pushes against the shorter way out); passages not looked for (--audit does)";
+        assert_eq!((totals.finds_fault(), totals.verdict().as_str()), (true, expected));
+        assert_eq!(past([0.5, 0.5]).cells()[0], "2");
     }
 
     #[test]
