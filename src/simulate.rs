@@ -24,7 +24,7 @@ use rockproof_examine::{
 };
 use rockproof_model::files::read_text;
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::simulation::{Control, Skips, Solver, step_in_words};
+use rockproof_model::simulation::{Control, Kinematics, Skips, Solver, step_in_words};
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{Number, Precision, Scene, ToleranceSet, tolerance_rules};
 use rockproof_oracle::step::KeptPrecision;
@@ -214,6 +214,8 @@ struct KnownOfBlocks {
     /// What the model overlaps before the first step, where that is more than contacts hold.
     overlaps: Option<String>,
     volume: Option<VolumeChange>,
+    /// Whether blocks that turn grow (`kinematics = "linear"`).
+    is_linear: bool,
 }
 
 /// What a run begins with.
@@ -418,7 +420,7 @@ impl Simulate {
         }
         let stop = on_ctrl_c()?;
         let mut display = Display::new();
-        let run = Run { scene: &scene, begin: &begin, plan, about };
+        let run = Run { scene: &scene, begin: &begin, precision, plan, about };
         let ending = run.run(&mut *stepping, &mut record, &stop, &mut |report, state| {
             display.show(report, &plan, state);
         })?;
@@ -427,7 +429,8 @@ impl Simulate {
             find_causes::<R>(&mut record, &scene, &set, precision)?;
         }
         let volume = VolumeChange::of(&scene, &begin, stepping.state());
-        let known = KnownOfBlocks { overlaps, volume };
+        let is_linear = scene.simulation.control.kinematics == Kinematics::Linear;
+        let known = KnownOfBlocks { overlaps, volume, is_linear };
         self.format.print(
             || summary(&record, stepping.state(), &ending, &known),
             || document(&record, stepping.state(), &ending, &known),
@@ -678,6 +681,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
         "largest_displacement_m": extreme(totals.furthest),
         "kinetic_j": totals.kinetic.0,
         "potential_j": totals.potential.0,
+        "energy_gained": totals.balance.gain.map(|gain| json!({ "energy_j": gain.energy.0, "held_j": gain.held.0, "from_step": gain.from, "to_step": gain.to })),
         "volume_change": known.volume.map(|of| json!({ "block": of.worst, "factor": of.factor, "blocks": of.blocks })),
         "lockstep": lockstep,
         "audit": audit,
@@ -749,6 +753,9 @@ fn write_summary<R: Real>(
     }
     writeln!(out, "displacement     {}", at(totals.furthest))?;
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
+    if let Some(gain) = totals.balance.gain {
+        writeln!(out, "gained           {}", gain.sentence(known.is_linear))?;
+    }
     if let Some(volume) = &known.volume {
         writeln!(out, "volume           {}", volume.sentence())?;
     }

@@ -149,7 +149,13 @@ fn run(dir: &Path, job: Job, stop: &AtomicBool, watch: &mut dyn FnMut(i64)) -> R
     let begin = begin(&scene, job.settling);
     let state = saved.map_or(begin.clone(), |saved| saved.state().expect("a state"));
     let mut stepping = StandIn { state, wall: job.wall };
-    let run = Run { scene: &scene, begin: &begin, plan, about: Default::default() };
+    let run = Run {
+        scene: &scene,
+        begin: &begin,
+        precision: rockproof_model::Precision::F64,
+        plan,
+        about: Default::default(),
+    };
     let ending = run.run(&mut stepping, &mut record, stop, &mut |report, _| watch(report.step));
     Ok(ending.expect("a run"))
 }

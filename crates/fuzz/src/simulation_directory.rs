@@ -79,7 +79,7 @@ fn run_into(dir: &Path, steps: u64, start: Start) -> Result<Ending, (String, Str
         }
     }
     let (stop, mut made) = (AtomicBool::new(false), 0);
-    let run = Run { scene, begin: &begin, plan, about: Default::default() };
+    let run = Run { scene, begin: &begin, precision: Precision::F64, plan, about: Default::default() };
     let ending = run.run(&mut dynamics, &mut record, &stop, &mut |_, _| {
         made += 1;
         stop.store(made >= MAX_STEPS, Ordering::Relaxed);

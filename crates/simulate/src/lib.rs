@@ -5,6 +5,7 @@
 
 pub mod audit;
 pub mod checkpoint;
+pub mod energy_gain;
 pub mod exact_float;
 pub mod frame;
 pub mod identity;
@@ -17,6 +18,7 @@ pub mod volume_change;
 pub mod worst_intrusions;
 
 pub use audit::{AuditScope, AuditTotals, PairDepth, StepAudit, StepPassages};
+pub use energy_gain::{EnergyBalance, EnergyGain, EnergyInput};
 pub use plan::Plan;
 pub use record::RunRecord;
 pub use run::{Ending, Run, RunError, Stepping};

@@ -2,11 +2,12 @@
 
 use crate::audit::{AuditTotals, StepAudit};
 use crate::checkpoint::SavedState;
+use crate::energy_gain::EnergyInput;
 use crate::exact_float::ExactFloat;
 use crate::record::{Frame, RunRecord, RunTable};
 use crate::worst_intrusions::WorstIntrusion;
 use crate::{Plan, frame, tables};
-use rockproof_model::{Scene, vtu_writer};
+use rockproof_model::{Precision, Scene, vtu_writer};
 use rockproof_results::ResultsError;
 use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepError, StepReport, StepRules};
@@ -67,6 +68,8 @@ pub struct Run<'r, R> {
     pub scene: &'r Scene,
     /// The state in which the scene begins, whatever the run goes on from.
     pub begin: &'r State<R>,
+    /// What it calculates in.
+    pub precision: Precision,
     /// How far, how often, how much.
     pub plan: Plan,
     /// What `run.json` says beside what the run knows.
@@ -149,6 +152,7 @@ impl<R: Real> Run<'_, R> {
         if record.progress().totals == Default::default() && record.progress().frames.is_empty() {
             self.checkpoint(stepping.state(), record, &clock)?;
         }
+        let input = EnergyInput::of(self.scene, self.precision, self.begin);
         let ending = loop {
             if self.plan.is_over(stepping.state()) {
                 break Ending::Finished;
@@ -156,6 +160,7 @@ impl<R: Real> Run<'_, R> {
             if stop.load(Ordering::Relaxed) {
                 break Ending::Interrupted;
             }
+            let load_points = input.load_points(stepping.state());
             let made = stepping.step();
             let end = stepping.annotations().map(|beside| append_beside(beside, record)).transpose()?.flatten();
             match made {
@@ -166,6 +171,8 @@ impl<R: Real> Run<'_, R> {
                     self.append(&report, audit.as_ref(), state, record)?;
                     let totals = &mut record.progress_mut().totals;
                     totals.add(&report);
+                    let put_in = [input.weight(state), input.work(&load_points, state)];
+                    totals.balance.add(&report, put_in, || input.rounding(state));
                     if let Some(audit) = &audit {
                         totals.audit.get_or_insert_with(AuditTotals::default).add(report.step, audit);
                     }

@@ -1,6 +1,7 @@
 //! What a run comes to, over all its steps.
 
 use crate::audit::AuditTotals;
+use crate::energy_gain::EnergyBalance;
 use crate::exact_float::ExactFloat;
 use rockproof_stepper::dynamics::{Mode, RetryReason, StepReport};
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,9 @@ pub struct Totals {
     pub kinetic: ExactFloat,
     /// All other energy after the last step (J).
     pub potential: ExactFloat,
+    /// The energy of the steps, settling left out, as far as a gain is looked for.
+    #[serde(default)]
+    pub balance: EnergyBalance,
     /// What the exact audit of the steps found; none without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub audit: Option<AuditTotals>,

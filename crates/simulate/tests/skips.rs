@@ -63,7 +63,7 @@ fn run(mut scene: Scene) -> (BTreeMap<String, Vec<u8>>, String) {
     let (mut record, _) =
         RunRecord::open(&dir, identity(&scene, &set, "f64", &plan), headers(&plan).expect("headers"), Start::Fresh)
             .expect("a directory of results");
-    let run = Run { scene: &scene, begin: &begin, plan, about: Default::default() };
+    let run = Run { scene: &scene, begin: &begin, precision: Precision::F64, plan, about: Default::default() };
     let ending = run.run(&mut dynamics, &mut record, &AtomicBool::new(false), &mut |_, _| {}).expect("a run");
     assert_eq!(ending, Ending::Finished);
     // Its lock goes with it.
