@@ -20,7 +20,7 @@ use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
 use rockproof_examine::{
-    AuditedRun, IntrusionRecorder, ignored_of_fixed, unused_laws, violation_json, violations_text,
+    AuditedRun, IntrusionRecorder, ignored_of_fixed, passed_rows, unused_laws, violation_json, violations_text,
 };
 use rockproof_model::files::read_text;
 use rockproof_model::scene::SceneFormat;
@@ -281,6 +281,7 @@ impl Simulate {
             print_note(&format!("running with {rules} violated: {}", violated.join("; ")));
         }
         ignored_of_fixed(&scene).into_iter().chain(unused).for_each(|note| print_note(&note));
+        passed_rows(&scene).into_iter().for_each(|note| print_note(&note));
         tell_of_pull(&scene, &set);
         tell_of_warnings(&scene, &set, &overlaps, &self.check(precision));
         if scene.fixed().into_iter().all(|is_fixed| is_fixed) {

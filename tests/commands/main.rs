@@ -40,6 +40,7 @@ mod gate_limits;
 mod gate_regressions;
 mod gate_unsaid;
 mod gate_verdicts;
+mod input_without_effect;
 mod json_output;
 mod kept_results;
 #[cfg(target_os = "linux")]
