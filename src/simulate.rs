@@ -36,7 +36,9 @@ use rockproof_simulate::record::{RunProgress, RunTable};
 use rockproof_simulate::run::headers;
 use rockproof_simulate::tables::lines;
 use rockproof_simulate::totals::Extreme;
-use rockproof_simulate::{AuditScope, AuditTotals, Ending, Plan, Run, RunRecord, Stepping, VolumeChange};
+use rockproof_simulate::{
+    AuditScope, AuditTotals, Ending, Plan, Run, RunRecord, Standstill, StandstillWatch, Stepping, VolumeChange,
+};
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, Solve, State, StepError, StepReport};
@@ -214,6 +216,8 @@ struct KnownOfBlocks {
     /// What the model overlaps before the first step, where that is more than contacts hold.
     overlaps: Option<String>,
     volume: Option<VolumeChange>,
+    /// Blocks that stood still though they moved, and what the run calculated in.
+    standstill: Option<(Standstill, Precision)>,
     /// Whether blocks that turn grow (`kinematics = "linear"`).
     is_linear: bool,
 }
@@ -400,6 +404,9 @@ impl Simulate {
             print_note(&already_done(&dir, dynamics.state(), &plan));
         }
         let precision = if self.engine == EngineChoice::F32 { Precision::F32 } else { Precision::F64 };
+        // In f64 no step is so short.
+        let mut standstill =
+            (precision == Precision::F32).then(|| StandstillWatch::new(&scene, precision.epsilon(), dynamics.state()));
         let mut stepping: Box<dyn Stepping<R>> = match self.lockstep {
             false if self.free => {
                 Box::new(FreeStepping::new(dynamics, Trajectory::new(&scene, &set, self.keep(&scene))))
@@ -423,6 +430,9 @@ impl Simulate {
         let mut display = Display::new();
         let run = Run { scene: &scene, begin: &begin, precision, plan, about };
         let ending = run.run(&mut *stepping, &mut record, &stop, &mut |report, state| {
+            if let Some(watch) = &mut standstill {
+                watch.look(report, state);
+            }
             display.show(report, &plan, state);
         })?;
         display.end();
@@ -431,7 +441,8 @@ impl Simulate {
         }
         let volume = VolumeChange::of(&scene, &begin, stepping.state());
         let is_linear = scene.simulation.control.kinematics == Kinematics::Linear;
-        let known = KnownOfBlocks { overlaps, volume, is_linear };
+        let standstill = standstill.and_then(|watch| Some((watch.found()?, precision)));
+        let known = KnownOfBlocks { overlaps, volume, standstill, is_linear };
         self.format.print(
             || summary(&record, stepping.state(), &ending, &known),
             || document(&record, stepping.state(), &ending, &known),
@@ -683,6 +694,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
         "kinetic_j": totals.kinetic.0,
         "potential_j": totals.potential.0,
         "energy_gained": totals.balance.gain.map(|gain| json!({ "energy_j": gain.energy.0, "held_j": gain.held.0, "from_step": gain.from, "to_step": gain.to })),
+        "standing_still": known.standstill.map(|(of, _)| json!({ "block": of.worst, "speed_m_s": of.speed, "since_step": of.since, "missing_m": of.missing, "blocks": of.blocks })),
         "volume_change": known.volume.map(|of| json!({ "block": of.worst, "factor": of.factor, "blocks": of.blocks })),
         "lockstep": lockstep,
         "audit": audit,
@@ -756,6 +768,9 @@ fn write_summary<R: Real>(
     writeln!(out, "energy           {} J kinetic, {} J potential", short(totals.kinetic.0), short(totals.potential.0))?;
     if let Some(gain) = totals.balance.gain {
         writeln!(out, "gained           {}", gain.sentence(known.is_linear))?;
+    }
+    if let Some((found, precision)) = &known.standstill {
+        writeln!(out, "standing still   {}", found.sentence(precision.name()))?;
     }
     if let Some(volume) = &known.volume {
         writeln!(out, "volume           {}", volume.sentence())?;

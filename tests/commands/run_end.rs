@@ -1,5 +1,5 @@
 //! Pins what the end of `simulate` says of a run: how still it was after settling, blocks that changed their volume, that a run which goes on has all it
-//! was asked for, in which line another scene differs, and energy that nothing put in.
+//! was asked for, in which line another scene differs, energy that nothing put in, and blocks that stand still in f32 though they move.
 
 use crate::place::Place;
 
@@ -210,4 +210,32 @@ fn work_of_loads_and_of_weight_is_no_gain() {
         let kinetic = out.lines().find(|line| line.starts_with("energy  ")).expect("a line");
         assert!(!kinetic.contains(" 0 J kinetic"), "something moved: {kinetic}");
     }
+}
+
+#[test]
+fn a_block_that_is_too_slow_for_f32_is_told() {
+    let place = Place::new();
+    let slow = |speed: &str| {
+        format!(
+            "[simulation]\ngravity = [0, 0, 0]\ntime_step = \"1/1000\"\nsteps = 100\n\
+             [[block]]\nfixed = true\nbox = {{ min = [300, 0, -3], max = [301, 1, -2] }}\n\
+             [[block]]\nmotion = \"rigid\"\nvelocity = [{speed}, 0, 0]\nbox = {{ min = [300, 0, 0], max = [301, 1, 1] }}\n"
+        )
+    };
+    place.file("slow.toml", &slow("0.015"));
+    let told = |name: &str, engine: &str| {
+        let (code, out, err) = place.run(&["simulate", name, "--engine", engine, "--out", "run", "--overwrite"]);
+        assert_eq!(code, 0, "{out}{err}");
+        line_of(&out, "standing still")
+    };
+    // Half of a last place there is 15.26 µm, a step 15 µm.
+    let expected = "block 1 stood still from step 1 on at a speed of 0.0150 m/s, and is 0.0015 m behind: f32 has no numbers for such short steps there";
+    assert_eq!(told("slow.toml", "stepper-f32").as_deref(), Some(expected));
+    assert_eq!(told("slow.toml", "stepper-f64"), None);
+    place.file("faster.toml", &slow("0.016"));
+    assert_eq!(told("faster.toml", "stepper-f32"), None);
+    // At rest on the floor springs ask for the same tiny step again and again.
+    let rest = slow("0").replace("[0, 0, 0]\ntime", "[0, 0, -10]\ntime").replace("-2]", "0]");
+    place.file("rest.toml", &rest);
+    assert_eq!(told("rest.toml", "stepper-f32"), None);
 }

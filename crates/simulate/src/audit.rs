@@ -240,7 +240,8 @@ fn worst_pair_note(worst: Option<PairExtreme>) -> String {
     format!(" (worst {a}–{b}, {} m, {})", in_four_digits(depth), step_in_words(step))
 }
 
-fn in_four_digits(depth: f64) -> String {
+/// A length in m: four decimals, or four significant digits.
+pub(crate) fn in_four_digits(depth: f64) -> String {
     if (1e-3..1e4).contains(&depth) { format!("{depth:.4}") } else { format!("{depth:.3e}") }
 }
 
