@@ -37,7 +37,7 @@ use rockproof_simulate::run::headers;
 use rockproof_simulate::tables::lines;
 use rockproof_simulate::totals::Extreme;
 use rockproof_simulate::{
-    AuditScope, AuditTotals, Ending, Plan, Run, RunRecord, Standstill, StandstillWatch, Stepping, VolumeChange,
+    AuditScope, AuditTotals, Ending, Plan, Run, RunRecord, Standstill, StandstillWatch, Stepping, Stretch, VolumeChange,
 };
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::SpecRules;
@@ -216,6 +216,8 @@ struct KnownOfBlocks {
     /// What the model overlaps before the first step, where that is more than contacts hold.
     overlaps: Option<String>,
     volume: Option<VolumeChange>,
+    /// Deformable blocks that are strained by more than steps take strains for.
+    stretch: Option<Stretch>,
     /// Blocks that stood still though they moved, and what the run calculated in.
     standstill: Option<(Standstill, Precision)>,
     /// Whether blocks that turn grow (`kinematics = "linear"`).
@@ -440,9 +442,10 @@ impl Simulate {
             find_causes::<R>(&mut record, &scene, &set, precision)?;
         }
         let volume = VolumeChange::of(&scene, &begin, stepping.state());
+        let stretch = Stretch::of(&scene, &begin, stepping.state());
         let is_linear = scene.simulation.control.kinematics == Kinematics::Linear;
         let standstill = standstill.and_then(|watch| Some((watch.found()?, precision)));
-        let known = KnownOfBlocks { overlaps, volume, standstill, is_linear };
+        let known = KnownOfBlocks { overlaps, volume, stretch, standstill, is_linear };
         self.format.print(
             || summary(&record, stepping.state(), &ending, &known),
             || document(&record, stepping.state(), &ending, &known),
@@ -696,6 +699,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
         "energy_gained": totals.balance.gain.map(|gain| json!({ "energy_j": gain.energy.0, "held_j": gain.held.0, "from_step": gain.from, "to_step": gain.to })),
         "standing_still": known.standstill.map(|(of, _)| json!({ "block": of.worst, "speed_m_s": of.speed, "since_step": of.since, "missing_m": of.missing, "blocks": of.blocks })),
         "volume_change": known.volume.map(|of| json!({ "block": of.worst, "factor": of.factor, "blocks": of.blocks })),
+        "strained": known.stretch.map(|of| json!({ "block": of.worst, "shortest": of.least, "longest": of.most, "blocks": of.blocks })),
         "lockstep": lockstep,
         "audit": audit,
         "intrusions": totals.audit.as_ref().map(|_| causes_json(record.intrusions())),
@@ -774,6 +778,9 @@ fn write_summary<R: Real>(
     }
     if let Some(volume) = &known.volume {
         writeln!(out, "volume           {}", volume.sentence())?;
+    }
+    if let Some(stretch) = &known.stretch {
+        writeln!(out, "strain           {}", stretch.sentence())?;
     }
     write_lockstep(out, &record.progress().beside)?;
     match (audit, overlaps) {

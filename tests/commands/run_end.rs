@@ -1,5 +1,5 @@
 //! Pins what the end of `simulate` says of a run: how still it was after settling, blocks that changed their volume, that a run which goes on has all it
-//! was asked for, in which line another scene differs, energy that nothing put in, and blocks that stand still in f32 though they move.
+//! was asked for, in which line another scene differs, energy that nothing put in, blocks that stand still in f32 though they move, and strains that are not small.
 
 use crate::place::Place;
 
@@ -238,4 +238,29 @@ fn a_block_that_is_too_slow_for_f32_is_told() {
     let rest = slow("0").replace("[0, 0, 0]\ntime", "[0, 0, -10]\ntime").replace("-2]", "0]");
     place.file("rest.toml", &rest);
     assert_eq!(told("rest.toml", "stepper-f32"), None);
+}
+
+#[test]
+fn a_block_that_shear_strains_is_told_though_its_volume_stays() {
+    let place = Place::new();
+    let held = |x: u8, y: u8| format!("[[fixed_point]]\nblock = 0\nat = [{x}, {y}, 0]\nstiffness = 1e7\n");
+    let text = format!(
+        "[simulation]\ngravity = [0, 0, 0]\ntime_step = 0.002\nsteps = 400\n[[material]]\nname = \"m\"\nyoung = 1e5\npoisson = 0.3\n\
+         [[block]]\nbox = {{ min = [0, 0, 0], max = [1, 1, 1] }}\n{}{}{}{}[[load]]\nblock = 0\nat = [0.5, 0.5, 1]\nforce = [20000, 0, 0]\n",
+        held(0, 0),
+        held(1, 0),
+        held(0, 1),
+        held(1, 1)
+    );
+    place.file("shear.toml", &text);
+    let (code, out, err) = place.run(&["simulate", "shear.toml", "--out", "soft"]);
+    let told = line_of(&out, "strain");
+    assert!(code == 0 && line_of(&out, "volume").is_none(), "{out}{err}");
+    assert_eq!(
+        told.as_deref(),
+        Some("lines in block 0 are 0.673 to 1.481 times as long as they began: steps take strains for small")
+    );
+    place.file("stiff.toml", &text.replace("1e5", "1e9"));
+    let (_, out, _) = place.run(&["simulate", "stiff.toml", "--out", "stiff"]);
+    assert!(line_of(&out, "strain").is_none() && out.contains("\ndisplacement  "), "{out}");
 }
