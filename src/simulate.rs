@@ -20,7 +20,8 @@ use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
 };
 use rockproof_examine::{
-    AuditedRun, IntrusionRecorder, ignored_of_fixed, passed_rows, unused_laws, violation_json, violations_text,
+    AuditedRun, IntrusionRecorder, ignored_of_fixed, ignored_of_rigid, passed_rows, unused_laws, violation_json,
+    violations_text,
 };
 use rockproof_model::files::read_text;
 use rockproof_model::scene::SceneFormat;
@@ -286,12 +287,19 @@ impl Simulate {
             let rules = counted(violated.len() as u64, "rule", "rules");
             print_note(&format!("running with {rules} violated: {}", violated.join("; ")));
         }
-        ignored_of_fixed(&scene).into_iter().chain(unused).for_each(|note| print_note(&note));
+        ignored_of_fixed(&scene)
+            .into_iter()
+            .chain(ignored_of_rigid(&scene))
+            .chain(unused)
+            .for_each(|note| print_note(&note));
         passed_rows(&scene).into_iter().for_each(|note| print_note(&note));
         tell_of_pull(&scene, &set);
         tell_of_warnings(&scene, &set, &overlaps, &self.check(precision));
         if scene.fixed().into_iter().all(|is_fixed| is_fixed) {
             print_note("every block is fixed, so nothing will move");
+        }
+        if plan.steps == Some(0) && scene.simulation.control.settle == 0 && !self.resume {
+            print_note("no step is asked for, so nothing will move: only the beginning is written");
         }
         let mut about = Map::new();
         about.insert("file".to_owned(), self.scene.path().display().to_string().into());

@@ -1,6 +1,6 @@
-//! Pins what is said of what a scene gives and steps never use: rows of load tables between the ends of two steps.
+//! Pins what is said of what a scene gives and steps never use: rows of load tables between the ends of two steps, stress of blocks that have none.
 //!
-//! Caught: nothing was said of them.
+//! Caught: nothing was said of either.
 
 use crate::place::Place;
 
@@ -37,5 +37,32 @@ fn rows_of_load_tables_that_steps_pass_by_are_named() {
         "[\"0.1\", 0, 0, 0], [\"0.102\", 0, 0, 1], [\"0.104\", 0, 0, 2], [1, 0, 0, 2]",
     ] {
         assert_eq!(note(seen, ""), None, "{seen}");
+    }
+}
+
+#[test]
+fn stress_of_blocks_that_have_none_is_told() {
+    let place = Place::new();
+    let cube = |x: u8, motion: &str| {
+        format!(
+            "[[block]]\n{motion}\nbox = {{ min = [{x}, 0, 0], max = [{}, 1, 1] }}\nstress = [-1e5, 0, 0, 0, 0, 0]\n",
+            x + 1
+        )
+    };
+    let all = [
+        cube(0, "fixed = true"),
+        cube(2, "motion = \"rigid\""),
+        cube(4, "motion = \"deformable\""),
+        cube(6, "motion = \"rigid\""),
+    ]
+    .concat();
+    place.file("stressed.toml", &format!("[simulation]\ngravity = [0, 0, 0]\n{all}"));
+    for args in [&["check", "stressed.toml"][..], &["simulate", "stressed.toml", "--steps", "1"]] {
+        let (code, out, err) = place.run(args);
+        let told = [
+            "ignored, since fixed blocks never move: stress of block 0\n",
+            "ignored, since rigid blocks have no strain: stress of blocks 1, 3\n",
+        ];
+        assert!(code == 0 && told.iter().all(|told| err.contains(told)), "{out}{err}");
     }
 }

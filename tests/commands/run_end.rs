@@ -1,5 +1,6 @@
 //! Pins what the end of `simulate` says of a run: how still it was after settling, blocks that changed their volume, that a run which goes on has all it
-//! was asked for, in which line another scene differs, energy that nothing put in, blocks that stand still in f32 though they move, and strains that are not small.
+//! was asked for, in which line another scene differs, energy that nothing put in, blocks that stand still in f32 though they move, strains that are not small,
+//! and that a run of no step moves nothing.
 
 use crate::place::Place;
 
@@ -263,4 +264,19 @@ fn a_block_that_shear_strains_is_told_though_its_volume_stays() {
     place.file("stiff.toml", &text.replace("1e5", "1e9"));
     let (_, out, _) = place.run(&["simulate", "stiff.toml", "--out", "stiff"]);
     assert!(line_of(&out, "strain").is_none() && out.contains("\ndisplacement  "), "{out}");
+}
+
+#[test]
+fn a_run_of_no_step_says_that_nothing_will_move() {
+    let place = Place::new();
+    place.file("spin.toml", SPIN);
+    let note = "note: no step is asked for, so nothing will move: only the beginning is written";
+    let (code, out, err) = place.run(&["simulate", "spin.toml", "--steps", "0", "--out", "still"]);
+    assert!(code == 0 && err.contains(note) && out.contains("no step was made"), "{out}{err}");
+    // What settles moves.
+    place.file("settling.toml", &SPIN.replace("steps = 40", "steps = 40\nsettle = 2"));
+    for args in [&["settling.toml", "--steps", "0"][..], &["spin.toml", "--steps", "1"]] {
+        let (code, _, err) = place.run(&[&["simulate"], args, &["--out", "run", "--overwrite"]].concat());
+        assert!(code == 0 && !err.contains("nothing will move"), "{err}");
+    }
 }

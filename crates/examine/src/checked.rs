@@ -4,7 +4,8 @@ use crate::extents::Extents;
 use crate::unused_laws::unused_laws;
 use rockproof_model::block::LARGEST_COORDINATE;
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::simulation::Body;
+use rockproof_model::simulation::{Body, Motion};
+use rockproof_model::text::noun;
 use rockproof_model::tolerance_rules::{self, BEYOND_F64, Fall, Thin, Warning};
 use rockproof_model::{Number, Precision, Scene, SceneBlock, ToleranceSet, ToleranceSpec, Vec3, Violation};
 use serde_json::{Map, Value, json};
@@ -114,6 +115,7 @@ impl CheckedModel {
             .unit_warning(format)
             .into_iter()
             .chain(ignored_of_fixed(&scene))
+            .chain(ignored_of_rigid(&scene))
             .chain(unused_laws(&scene))
             .collect();
         Ok(CheckedModel {
@@ -199,12 +201,13 @@ pub fn ignored_of_fixed(scene: &Scene) -> Option<String> {
     let is_loaded = |number: usize| scene.simulation.loads.iter().any(|load| load.block == number);
     let is_held = |number: usize| scene.simulation.fixed_points.iter().any(|point| point.block == number);
     let of_block = |(number, block): (usize, &SceneBlock)| {
-        let Body { velocity, spin, .. } = &block.body;
+        let Body { velocity, spin, stress, .. } = &block.body;
         let given = [
             ("velocity", !is_zero(velocity)),
             ("spin", !is_zero(spin)),
             ("load", is_loaded(number)),
             ("fixed point", is_held(number)),
+            ("stress", stress.iter().any(|part| !part.is_zero())),
         ];
         let given: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
         (block.body.is_fixed() && !given.is_empty()).then(|| format!("{} of block {number}", given.join(", ")))
@@ -214,6 +217,19 @@ pub fn ignored_of_fixed(scene: &Scene) -> Option<String> {
     let more = if more > 0 { format!(" and of {more} more") } else { String::new() };
     let named = all.iter().take(MAX_NAMED).map(String::as_str).collect::<Vec<_>>().join("; ");
     (!all.is_empty()).then(|| format!("ignored, since fixed blocks never move: {named}{more}"))
+}
+
+/// The initial stress that a scene gives to rigid blocks, which have none; `None` where it gives none.
+pub fn ignored_of_rigid(scene: &Scene) -> Option<String> {
+    const MAX_NAMED: usize = 5;
+    let blocks = scene.blocks.iter().enumerate();
+    let is_stressed = |body: &Body| body.motion == Motion::Rigid && body.stress.iter().any(|part| !part.is_zero());
+    let all: Vec<String> =
+        blocks.filter(|(_, block)| is_stressed(&block.body)).map(|(number, _)| number.to_string()).collect();
+    let more = all.len().saturating_sub(MAX_NAMED);
+    let more = if more > 0 { format!(" and of {more} more") } else { String::new() };
+    let (noun, named) = (noun(all.len() as u64, "block", "blocks"), all[..all.len().min(MAX_NAMED)].join(", "));
+    (!all.is_empty()).then(|| format!("ignored, since rigid blocks have no strain: stress of {noun} {named}{more}"))
 }
 
 /// What the blocks of a model come to.
