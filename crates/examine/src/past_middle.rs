@@ -35,8 +35,9 @@ pub(crate) fn past_middle<R: Real>(
         let places = pair(contact.blocks).map(|block| state.blocks[block].vertices.iter().map(near).collect());
         let shapes = pair(contact.blocks).map(|block| &shapes[block]);
         let [overlap, other] = ways_out(shapes, &places, &contact.entrance());
+        let is_less = overlap.0 < (1.0 - DOUBT) * other.0;
         // What is not a number may be anything.
-        !(overlap.0 < (1.0 - DOUBT) * other.0)
+        !is_less
     });
     let mut pairs: Vec<[usize; 2]> = may_be.map(|contact| pair(contact.blocks)).collect();
     pairs.sort_unstable();
