@@ -173,7 +173,7 @@ fn energy_that_neither_gravity_nor_loads_put_in_is_told() {
     let place = Place::new();
     place.file("grazing.toml", GRAZING);
     let (code, out, err) = place.run(&["simulate", "grazing.toml", "--out", "grazing"]);
-    let told = "2460 J from step 106 to 107 that neither gravity nor loads put in, 30 % of the most that motion, strain and springs held until then: contacts that begin deep or turn make that";
+    let told = "2460 J from step 106 to 107 that neither gravity nor loads put in, 30 % of the most that motion, strain and springs held until then: it comes of contacts that begin deep or turn, of strains that are not small";
     assert!(code == 0 && line_of(&out, "gained").as_deref() == Some(told), "{out}{err}");
     // In two sessions, too, and for programs.
     let halves =

@@ -167,9 +167,9 @@ impl EnergyGain {
     /// The same in words; `is_linear` where blocks that turn grow by the rule that moves their vertices.
     pub fn sentence(&self, is_linear: bool) -> String {
         let EnergyGain { energy, held, from, to } = self;
-        let why = if is_linear { ", or turning by kinematics \"linear\"," } else { "" };
+        let why = if is_linear { ", or of turning by kinematics \"linear\"" } else { "" };
         format!(
-            "{} J from step {from} to {to} that neither gravity nor loads put in, {:.0} % of the most that motion, strain and springs held until then: contacts that begin deep or turn{why} make that",
+            "{} J from step {from} to {to} that neither gravity nor loads put in, {:.0} % of the most that motion, strain and springs held until then: it comes of contacts that begin deep or turn, of strains that are not small{why}",
             short(energy.0),
             100.0 * energy.0 / held.0
         )
@@ -229,7 +229,7 @@ mod tests {
         assert_eq!((gain(&steps, 0.0, 11.0), gain(&steps, 11.0, 0.0)), (None, None), "rounding, and loads");
         assert_eq!(
             found.sentence(false),
-            "11 J from step 3 to 4 that neither gravity nor loads put in, 18 % of the most that motion, strain and springs held until then: contacts that begin deep or turn make that"
+            "11 J from step 3 to 4 that neither gravity nor loads put in, 18 % of the most that motion, strain and springs held until then: it comes of contacts that begin deep or turn, of strains that are not small"
         );
         // A tenth of what was held is not told.
         assert_eq!(gain(&[report(1, 100.0, 0.0, 0.0), report(2, 110.0, 0.0, 0.0)], 0.0, 0.0), None);
