@@ -1,6 +1,6 @@
 //! `check`: are the blocks blocks, and do the tolerances keep the rules?
 
-use crate::doubts::{THIN, tell_of_pull, tell_of_tolerances};
+use crate::doubts::{THIN, tell_of_tolerances};
 use crate::exit::{ExitStatus, Outcome, print, print_error, print_note};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs, model_help, precision};
 use crate::input_file::{InputFile, ModelFile};
@@ -123,7 +123,6 @@ impl ModelArgs {
         let place = || self.tolerances.place(self.file.path());
         let set = spec.derive(&scene.shapes(), precision).with_context(place)?;
         tell_of_tolerances(&scene.shapes(), &set);
-        tell_of_pull(&scene, &set);
         let path = self.file.path().to_path_buf();
         let checked = CheckedModel::new((path, Some(file.format())), scene, (spec, set), precision);
         let mut model = checked.map_err(|error| match error {

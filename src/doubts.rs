@@ -1,11 +1,9 @@
 //! What of the tolerances and options given can hardly be meant: told beside the answer, which stays as it is.
 
 use crate::exit::{print_note, shows_notes};
-use num_traits::ToPrimitive;
 use rockproof_examine::{BareEdge, Overlaps, StoredEnergy, bare_edges, short, unexplained_energy};
-use rockproof_model::simulation::derive_stiffness;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt, noun};
-use rockproof_model::{Block, Number, Scene, SceneBlock, ToleranceSet, Vec3, tolerance_rules};
+use rockproof_model::{Block, Number, Scene, ToleranceSet, Vec3, tolerance_rules};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::atomic::AtomicBool;
@@ -21,52 +19,6 @@ pub(crate) fn tell_of_tolerances(blocks: &[&Block], set: &ToleranceSet) {
     if let Some(doubt) = beyond_the_model(blocks, set) {
         print_note(&doubt);
     }
-}
-
-/// Tells whether closed contacts may pull a block as much as it weighs.
-pub(crate) fn tell_of_pull(scene: &Scene, set: &ToleranceSet) {
-    if shows_notes()
-        && let Some(doubt) = pull(scene, set)
-    {
-        print_note(&doubt);
-    }
-}
-
-/// A closed contact opens where its gap is wider than `open`, and pulls with `normal_stiffness` until then. A block lies on three contacts at least.
-fn pull(scene: &Scene, set: &ToleranceSet) -> Option<String> {
-    const CONTACTS: f64 = 3.0;
-    // As of `auto` in f64: what hung by so little would weigh next to nothing.
-    if set.open.approximate() <= set.search.approximate() * 2f64.powi(-30) {
-        return None;
-    }
-    let mut simulation = scene.simulation.clone();
-    let bodies: Vec<_> = scene.blocks.iter().map(|block| (&block.block, &block.body)).collect();
-    derive_stiffness(&mut simulation, &bodies, set);
-    let stiffness =
-        simulation.joints.all().filter_map(|joint| joint.normal_stiffness.as_ref()).map(Number::approximate);
-    let softest = stiffness.fold(f64::INFINITY, f64::min);
-    let gravity = simulation.gravity.components().map(Number::approximate).into_iter().fold(0.0, f64::hypot);
-    let pull = CONTACTS * softest * set.open.approximate();
-    if gravity == 0.0 || !pull.is_finite() || pull == 0.0 {
-        return None;
-    }
-    let moving = || scene.blocks.iter().enumerate().filter(|(_, block)| !block.body.is_fixed());
-    let weight = |block: &SceneBlock| {
-        let density = simulation.materials[block.body.material].density.approximate();
-        block.block.volume().to_f64().unwrap_or(f64::INFINITY) * density * gravity
-    };
-    let held = moving().map(|(number, block)| (number, weight(block))).filter(|(_, weight)| *weight <= pull);
-    let held: Vec<(usize, f64)> = held.collect();
-    let (lightest, least) = held.iter().copied().min_by(|one, other| one.1.total_cmp(&other.1))?;
-    let (count, all) = (held.len(), moving().count());
-    Some(format!(
-        "closed contacts may pull: they open where the gap is wider than open, {} m, and three of them pull by {} N until then, no less than the weight of {count} of {all} moving blocks (block {lightest}: {} N), which may hang or stick. \
-         An open of {} m or less pulls none so much; in f64 `auto` has far less",
-        short(set.open.approximate()),
-        short(pull),
-        short(least),
-        short(least / (CONTACTS * softest)),
-    ))
 }
 
 /// Tells what `check` warns of in a model that steps begin with: that of the steps which follow from it, they do not tell.

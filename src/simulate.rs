@@ -2,7 +2,7 @@
 
 // Longer than 400 lines: one command with all its options and ways to end.
 
-use crate::doubts::{tell_of_pull, tell_of_tolerances, tell_of_warnings};
+use crate::doubts::{tell_of_tolerances, tell_of_warnings};
 use crate::exit::{ExitStatus, Outcome, print_error, print_note, shows_progress};
 use crate::input::{FormatArgs, ReadArgs, ToleranceArgs};
 use crate::input_file::InputFile;
@@ -293,7 +293,6 @@ impl Simulate {
             .chain(unused)
             .for_each(|note| print_note(&note));
         passed_rows(&scene).into_iter().for_each(|note| print_note(&note));
-        tell_of_pull(&scene, &set);
         tell_of_warnings(&scene, &set, &overlaps, &self.check(precision));
         if scene.fixed().into_iter().all(|is_fixed| is_fixed) {
             print_note("every block is fixed, so nothing will move");

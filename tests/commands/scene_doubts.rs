@@ -290,37 +290,41 @@ fn the_line_of_f32_says_where_f32_cannot_hold_the_coordinates() {
     }
 }
 
-/// A cube that touches a ceiling falls; where closed contacts pull more than it weighs it hangs, and that is told.
+/// A cube that touches a ceiling falls; where closed contacts pull as much as it weighs it hangs: `check` warns, `simulate` tells it, and `examine` does not call the model safe.
 #[test]
-fn contacts_that_pull_a_block_up_are_told() {
+fn contacts_that_pull_a_block_up_are_warned_of() {
     let scene = |open: &str, gravity: &str| {
         format!(
             "[tolerances]\npreset = \"auto\"\n{open}[simulation]\ngravity = {gravity}\ntime_step = 0.01\nsteps = 2\n[[block]]\nname = \"ceiling\"\nfixed = true\n\
              box = {{ min = [-2, -2, 0], max = [2, 2, 1] }}\n[[block]]\nname = \"b\"\nbox = {{ min = [-0.5, -0.5, -1], max = [0.5, 0.5, 0] }}\n[[joint]]\nnormal_stiffness = 1e8\n"
         )
     };
-    let told = |open: &str, gravity: &str, precision: &str| {
+    let warned = |open: &str, gravity: &str, precision: &str| {
         let place = Place::new();
         place.file("scene.toml", &scene(open, gravity));
-        let (_, _, checked) = place.run(&["check", "scene.toml", "--precision", precision]);
+        let (_, checked, _) = place.run(&["check", "scene.toml", "--precision", precision, "--format", "json"]);
+        let checked: serde_json::Value = serde_json::from_str(&checked).expect("a document");
+        let of_pull = checked["warnings"].as_array().expect("warnings").iter().find(|one| one["about"] == "pull");
         let engine = format!("stepper-{precision}");
         let (_, _, made) = place.run(&["simulate", "scene.toml", "--engine", &engine, "--out", "made"]);
-        let note = |text: &str| text.lines().find(|line| line.contains("contacts may pull")).map(str::to_owned);
-        assert_eq!(note(&checked), note(&made));
-        note(&made)
+        assert_eq!(made.contains("a block may hang or stick"), of_pull.is_some(), "{made}");
+        let (code, examined, _) = place.run(&["examine", "scene.toml", "--precision", precision, "--steps", "1"]);
+        assert_eq!(
+            (code, examined.starts_with("safe:")),
+            if of_pull.is_some() { (1, false) } else { (0, true) },
+            "{examined}"
+        );
+        of_pull.cloned()
     };
-    // 26 kN, and three contacts of 1e8 N/m that pull over the gap that f32 cannot tell from none.
+    // 26 kN, and four contacts of 1e8 N/m that pull over the gap that f32 cannot tell from none.
     let (down, none) = ("[0, 0, -10]", "[0, 0, 0]");
-    let note = told("", down, "f32").expect("f32 pulls");
-    assert!(
-        note.contains(" 73242 N until then, no less than the weight of 1 of 1 moving blocks (block 1: 26000 N)"),
-        "{note}"
-    );
-    assert_eq!((told("", down, "f64"), told("", none, "f32")), (None, None));
-    // 26 kN over 3e8 N/m are 8.667e-5 m.
-    assert_eq!(told("open = 8.66e-5\n", down, "f64"), None);
-    let note = told("open = 8.67e-5\n", down, "f64").expect("pulls");
-    assert!(note.contains("An open of 8.667e-5 m or less"), "{note}");
+    let told = warned("", down, "f32").expect("f32 pulls");
+    assert_eq!((&told["block"], &told["allowed"]), (&1.into(), &26000.0.into()), "{told}");
+    assert_eq!((warned("", down, "f64"), warned("", none, "f32")), (None, None));
+    // 26 kN over 4e8 N/m are 6.5e-5 m.
+    assert_eq!(warned("open = 6.49e-5\n", down, "f64"), None);
+    let told = warned("open = 6.51e-5\n", down, "f64").expect("pulls");
+    assert_eq!(told["remedy"], "open ≤ 6.49999e-5", "{told}");
 }
 
 /// A run tells at its begin what `check` warns of, for its end shows only the steps.

@@ -13,6 +13,7 @@ mod load_sums;
 mod places;
 mod pressing;
 mod properties;
+mod pull;
 mod remedy;
 mod shape;
 mod speed;

@@ -1,4 +1,4 @@
-//! Warnings beside the rules of SPEC section 3: tolerances of modes that keep contacts from closing or opening, and weights and loads that contacts or blocks cannot bear.
+//! Warnings beside the rules of SPEC section 3: tolerances of modes that keep contacts from closing or opening or let them pull, and weights and loads that contacts or blocks cannot bear.
 
 use super::RequiredValue;
 use super::column::ColumnSource;
@@ -6,6 +6,7 @@ use super::hanging::hanging;
 use super::load::load;
 use super::pressing::{left_out, worst};
 use super::properties::{density, friction};
+use super::pull::pull;
 use super::speed::speed;
 use super::strain::strain;
 use crate::number::Number;
@@ -22,6 +23,8 @@ pub enum WarningKind {
     Open,
     /// `equal` is 1 or more.
     Equal,
+    /// Closed contacts may pull a block as much as it weighs before they open.
+    Pull,
     /// A block at rest would sink under the blocks above it or under loads deeper than `penetration`.
     Load,
     /// Loads press along more directions of faces than were looked along.
@@ -45,6 +48,7 @@ impl WarningKind {
             WarningKind::Close => "close",
             WarningKind::Open => "open",
             WarningKind::Equal => "equal",
+            WarningKind::Pull => "pull",
             WarningKind::Load => "load",
             WarningKind::Loads => "loads",
             WarningKind::Strain => "strain",
@@ -61,6 +65,9 @@ impl WarningKind {
             WarningKind::Close => "open contacts may never close",
             WarningKind::Open => "closed contacts may be lost before they open",
             WarningKind::Equal => "contacts may keep their mode however far blocks move",
+            WarningKind::Pull => {
+                "a block may hang or stick, since closed contacts pull as much as it weighs before they open"
+            }
             WarningKind::Load => "a block may sink deeper than penetration under the blocks above it or under loads",
             WarningKind::Loads => "what loads press along faces was not looked at everywhere: there is too much of it",
             WarningKind::Strain => "a block may be squashed by its weight, by loads or by its initial stress",
@@ -77,6 +84,7 @@ impl WarningKind {
             WarningKind::Close => "close ≤ penetration",
             WarningKind::Open => "open ≤ search",
             WarningKind::Equal => "equal < 1",
+            WarningKind::Pull => "normal_stiffness·(corners of its smallest face)·open < (weight of a block)",
             WarningKind::Load => {
                 "(weight of a block, of those above it, and loads)/(normal_stiffness·corners of its smallest face) ≤ penetration"
             }
@@ -103,6 +111,9 @@ impl WarningKind {
                 "a gap wider than search is no longer seen as a contact, and none is opened before it is wider than open"
             }
             WarningKind::Equal => "a contact's mode stays where its gap is no larger than equal times the gap before",
+            WarningKind::Pull => {
+                "a closed contact opens where its gap is wider than open, and its normal spring pulls until then; `auto` has a far smaller open in f64 than in f32"
+            }
             WarningKind::Load => {
                 "a block on its smallest face bears what stands above it, here each block above by the share of its plan that is over this one; a load presses along gravity, and on faces that something stands against; the depth is the static one, and a load that is laid on suddenly goes twice as deep"
             }
@@ -176,8 +187,9 @@ pub fn warnings(set: &ToleranceSet, scene: &Scene) -> Vec<Warning> {
         strain(scene, worst.squashed),
         speed(set, scene, &source),
     ];
+    let pulled = [pull(set, scene, &source)];
     let given = [hanging(set, scene, &source), friction(scene), density(scene)];
-    modes.into_iter().chain(borne).chain(given).flatten().collect()
+    modes.into_iter().chain(pulled).chain(borne).chain(given).flatten().collect()
 }
 
 #[cfg(test)]
