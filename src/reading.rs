@@ -55,6 +55,10 @@ pub(crate) fn planarity_that_merges(model: &ModelFile, scene: &Scene) -> Option<
     if !model.format().is_mesh() || scene.blocks.len() > READ_AGAIN {
         return None;
     }
+    let widest = PLANARITIES.last().and_then(|text| Number::parse(text).ok())?;
+    if !scene.shapes().iter().any(|block| block.may_merge_within(&widest)) {
+        return None;
+    }
     let count = |scene: &Scene| -> [usize; 2] {
         let faces = scene.shapes().iter().map(|block| block.topology().faces().len()).sum();
         [faces, scene.shapes().iter().filter(|block| !block.is_convex()).count()]

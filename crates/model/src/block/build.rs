@@ -3,6 +3,7 @@
 use crate::block::certain_sign::{Coordinates, Surface};
 use crate::block::error::BlockError;
 use crate::block::face_intersection::{FaceIntersection, TriangulatedFaces};
+use crate::block::measure::LazyMoments;
 use crate::block::merge;
 use crate::block::planarity::Planarity;
 use crate::block::polynomials::{Area, EdgeConvexity, Orientation, SameSide, Volume};
@@ -59,7 +60,7 @@ pub(super) fn build(
     let merged =
         Merged { faces: face_count - draft.topology.faces().len(), vertices: vertex_count - draft.vertices.len() };
     let shape = shape(&draft, &signs)?;
-    Ok((Block { shape: Arc::new(shape), vertices: draft.vertices.into() }, merged))
+    Ok((Block { shape: Arc::new(shape), vertices: draft.vertices.into(), moments: LazyMoments::default() }, merged))
 }
 
 /// Bits of the common denominator of all coordinates: n fractions of d digits would otherwise cost n²·d.

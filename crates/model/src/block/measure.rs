@@ -8,6 +8,7 @@ use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::Zero;
+use std::sync::OnceLock;
 
 /// The axis-parallel box of a block, in metres.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,11 +19,25 @@ pub struct Bounds<'a> {
     pub max: Vec3<&'a Number>,
 }
 
-/// Six times the volume, and the centroid as `sum / (4 · six_volumes)`, in units of the lattice relative to `origin`.
+/// Six times the volume, and the centroid as `sum / (4 · six_volumes)`, in units of the block's lattice relative to its first vertex.
+#[derive(Clone, Debug)]
 pub(crate) struct Moments {
+    pub(crate) lattice: Lattice,
     pub(crate) six_volumes: BigInt,
     pub(crate) sum: Vec3<BigInt>,
 }
+
+/// The moments of a block, calculated when they are first asked for. They follow from its vertices and faces, so they take no part in comparisons of blocks.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LazyMoments(OnceLock<Box<Moments>>);
+
+impl PartialEq for LazyMoments {
+    fn eq(&self, _: &LazyMoments) -> bool {
+        true
+    }
+}
+
+impl Eq for LazyMoments {}
 
 impl Block {
     /// The box `min` to `max`, its vertices the lower face counter-clockwise seen from above, then the upper one; its
@@ -49,11 +64,9 @@ impl Block {
 
     /// The volume in m³, exactly; each face as the triangles from the first vertex of its loop.
     pub fn volume(&self) -> BigRational {
-        let (lattice, points) = self.lattice_points();
-        let relative = from_first(&points);
-        let six_volumes: BigInt = self.fans(&relative).map(|[a, b, c]| a.dot(&b.cross(c))).sum();
-        let (numerator, denominator) = lattice.units_per_metre();
-        in_lowest_terms(six_volumes * denominator.pow(3), numerator.pow(3) * BigInt::from(6))
+        let moments = self.moments();
+        let (numerator, denominator) = moments.lattice.units_per_metre();
+        in_lowest_terms(&moments.six_volumes * denominator.pow(3), numerator.pow(3) * BigInt::from(6))
     }
 
     /// The centroid in metres, exactly; each face as the triangles from the first vertex of its loop. A block
@@ -61,12 +74,12 @@ impl Block {
     pub fn centroid(&self) -> Vec3<BigRational> {
         let (lattice, points) = self.lattice_points();
         let (numerator, denominator) = lattice.units_per_metre();
-        let moments = self.moments(&points);
+        let moments = self.moments();
         let (sum, weight) = if moments.six_volumes.is_zero() {
             let sum = points.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, p| sum.plus(&p.minus(&points[0])));
             (sum, BigInt::from(points.len()))
         } else {
-            (moments.sum, moments.six_volumes * BigInt::from(4))
+            (moments.sum.clone(), &moments.six_volumes * BigInt::from(4))
         };
         let place = |sum: &BigInt, origin: &BigInt| {
             BigRational::new((sum + origin * &weight) * &denominator, &weight * &numerator)
@@ -82,16 +95,19 @@ impl Block {
         (lattice, points)
     }
 
-    /// The block's moments on a lattice, relative to its first vertex.
-    pub(crate) fn moments(&self, points: &[Vec3<BigInt>]) -> Moments {
-        let relative = from_first(points);
-        let mut moments = Moments { six_volumes: BigInt::ZERO, sum: Vec3::zero() };
-        for [a, b, c] in self.fans(&relative) {
-            let six_volumes = a.dot(&b.cross(c));
-            moments.sum = moments.sum.plus(&a.plus(b).plus(c).scaled(&six_volumes));
-            moments.six_volumes += six_volumes;
-        }
-        moments
+    /// The block's moments; calculated once.
+    pub(crate) fn moments(&self) -> &Moments {
+        self.moments.0.get_or_init(|| {
+            let (lattice, points) = self.lattice_points();
+            let relative = from_first(&points);
+            let mut moments = Moments { lattice, six_volumes: BigInt::ZERO, sum: Vec3::zero() };
+            for [a, b, c] in self.fans(&relative) {
+                let six_volumes = a.dot(&b.cross(c));
+                moments.sum = moments.sum.plus(&a.plus(b).plus(c).scaled(&six_volumes));
+                moments.six_volumes += six_volumes;
+            }
+            Box::new(moments)
+        })
     }
 
     /// The triangles from the first vertex of each face's loop.

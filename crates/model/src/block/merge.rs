@@ -6,7 +6,7 @@ use crate::block::error::BlockError;
 use crate::block::planarity::Planarity;
 use crate::block::polynomials::{Area, BeyondAlongLine, OffLine, SameSide, SquaredLength};
 use crate::block::simple::check_simple;
-use crate::block::{BlockOptions, Merging};
+use crate::block::{Block, BlockOptions, Merging};
 use crate::sign::Sign;
 use crate::topology::{EdgeId, FaceId, Topology, VertexId};
 use std::cmp::Reverse;
@@ -180,6 +180,9 @@ fn near_flat_groups(draft: &BlockDraft, options: &BlockOptions) -> Vec<usize> {
     let coordinates = Coordinates::new(&draft.vertices, &draft.approximate);
     let surface = Surface::new(&coordinates, draft.topology.faces());
     let planarity = Planarity::new(&coordinates, options);
+    if !any_near_neighbour(&surface, &draft.topology, &planarity) {
+        return (0..surface.faces().len()).collect();
+    }
     let mut seeds: Vec<usize> = (0..surface.faces().len()).collect();
     seeds.sort_by_cached_key(|&face| Reverse(surface.exact_value(&Area { face })));
     let mut group: Vec<Option<usize>> = vec![None; seeds.len()];
@@ -203,6 +206,25 @@ fn near_flat_groups(draft: &BlockDraft, options: &BlockOptions) -> Vec<usize> {
         }
     }
     group.iter().enumerate().map(|(face, first)| first.unwrap_or(face)).collect()
+}
+
+/// Whether f64 leaves it open that some face is within the planarity of the plane of a neighbour: with no such face no region grows.
+fn any_near_neighbour(surface: &Surface<'_>, topology: &Topology, planarity: &Planarity<'_>) -> bool {
+    let faces = surface.faces();
+    let is_far =
+        |seed: usize, other: usize| planarity.surely_misses_one(surface, (seed, faces[seed][0]), &faces[other], 1);
+    topology.edges().iter().any(|edge| {
+        let [left, right] = [edge.left.index(), edge.right.index()];
+        !is_far(left, right) || !is_far(right, left)
+    })
+}
+
+/// As [`any_near_neighbour`], of a block.
+pub(super) fn may_merge_within(block: &Block, options: &BlockOptions) -> bool {
+    let approximate: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
+    let coordinates = Coordinates::new(block.vertices(), &approximate);
+    let surface = Surface::new(&coordinates, block.topology().faces());
+    any_near_neighbour(&surface, block.topology(), &Planarity::new(&coordinates, options))
 }
 
 fn grow(

@@ -17,6 +17,7 @@ mod tests;
 
 pub use error::{BlockError, LARGEST_COORDINATE};
 pub use measure::Bounds;
+use measure::LazyMoments;
 pub(crate) use measure::cuboid_mesh;
 pub use shapes::Shapes;
 
@@ -34,6 +35,7 @@ pub type Point = Vec3<Number>;
 pub struct Block {
     shape: Arc<BlockShape>,
     vertices: Arc<[Point]>,
+    moments: LazyMoments,
 }
 
 /// What does not change when a block is moved or its coordinates are rounded.
@@ -112,7 +114,7 @@ impl Block {
     #[must_use]
     pub fn with_vertices(&self, vertices: Vec<Point>) -> Block {
         assert_eq!(vertices.len(), self.vertices.len(), "a moved block keeps its vertices");
-        Block { shape: Arc::clone(&self.shape), vertices: vertices.into() }
+        Block { shape: Arc::clone(&self.shape), vertices: vertices.into(), moments: LazyMoments::default() }
     }
 
     /// Whether another block is this one with other coordinates, or the same: its faces, edges and vertices have the same numbers and flags.
@@ -146,6 +148,11 @@ impl Block {
     /// with which the block was made ([`BlockOptions`]).
     pub fn triangles(&self, planarity: &Number) -> Vec<[VertexId; 3]> {
         build::triangles(self, &BlockOptions { planarity: planarity.clone() })
+    }
+
+    /// Whether a planarity may let neighbouring faces become one ([`Merging::WithinPlanarity`]): where this is false, no face is within it of the plane of a neighbour.
+    pub fn may_merge_within(&self, planarity: &Number) -> bool {
+        merge::may_merge_within(self, &BlockOptions { planarity: planarity.clone() })
     }
 
     /// Whether the precision represents every coordinate exactly.

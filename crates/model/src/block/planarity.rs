@@ -17,6 +17,8 @@ pub(super) struct Planarity<'a> {
     options: &'a BlockOptions,
     /// Allowed distance in metres, rounded down; zero where the filter cannot tell.
     allowed_at_least: f64,
+    /// The same rounded up; infinite where the filter cannot tell.
+    allowed_at_most: f64,
     exact: OnceCell<(BigInt, BigInt)>,
 }
 
@@ -30,11 +32,17 @@ pub(super) struct FurthestVertices {
 impl<'a> Planarity<'a> {
     pub(super) fn new(coordinates: &'a Coordinates<'a>, options: &'a BlockOptions) -> Planarity<'a> {
         // Rounding to f64 and the product are each within 2^−52, far inside 1e-9.
-        let share = options.planarity.approximate() * (1.0 - 1e-9);
-        let size = coordinates.filtered().map_or(0.0, size_at_least);
-        let allowed = share * size;
+        let share = options.planarity.approximate();
+        let [least, most] = coordinates.filtered().map_or([0.0, f64::INFINITY], sizes);
+        let allowed = share * (1.0 - 1e-9) * least;
         let allowed_at_least = if allowed.is_finite() && allowed > 0.0 { allowed } else { 0.0 };
-        Planarity { coordinates, options, allowed_at_least, exact: OnceCell::new() }
+        let allowed_at_most = match options.planarity.is_zero() {
+            true => 0.0,
+            // What underflows is no more than the least normal number.
+            false if share >= f64::MIN_POSITIVE => (share * (1.0 + 1e-9) * most).max(f64::MIN_POSITIVE),
+            false => f64::INFINITY,
+        };
+        Planarity { coordinates, options, allowed_at_least, allowed_at_most, exact: OnceCell::new() }
     }
 
     /// Allowed distance in metres, near enough for culling; infinite where unknown.
@@ -98,12 +106,31 @@ impl<'a> Planarity<'a> {
         vertices: &[VertexId],
         parts: u32,
     ) -> bool {
+        if self.surely_misses_one(surface, (face, through), vertices, parts) {
+            return false;
+        }
         let (allowed, divisor) = self.allowed();
         let allowed = allowed.squared() * surface.exact_value(&Area { face });
         let factor = divisor * BigInt::from(parts);
         vertices.iter().all(|&vertex| {
             let height = surface.exact_value(&Height { face, through, vertex });
             (height * &factor).squared() <= allowed
+        })
+    }
+
+    /// Whether f64 shows that [`Planarity::holds_all`] is false.
+    pub(super) fn surely_misses_one(
+        &self,
+        surface: &Surface<'_>,
+        (face, through): (usize, VertexId),
+        vertices: &[VertexId],
+        parts: u32,
+    ) -> bool {
+        let Some(area) = surface.estimate(&Area { face }) else { return false };
+        let allowed = self.allowed_at_most * area.at_most().sqrt() * (1.0 + 1e-9);
+        vertices.iter().any(|&vertex| {
+            let height = surface.estimate(&Height { face, through, vertex });
+            height.is_some_and(|height| height.at_least() * f64::from(parts) > allowed)
         })
     }
 
@@ -139,14 +166,15 @@ fn extent(points: &[Vec3<BigInt>], axis: usize) -> BigInt {
     most.unwrap_or_default() - least.unwrap_or_default()
 }
 
-/// A length that the longest box side does not fall below.
-fn size_at_least(points: &[Vec3<Filtered>]) -> f64 {
-    let side = |axis: usize| {
+/// Lengths that the longest box side does not fall below and does not exceed.
+fn sizes(points: &[Vec3<Filtered>]) -> [f64; 2] {
+    let side = |axis: usize, sign: f64| {
         let all = points.iter().map(|p| p.components()[axis]);
         let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), c| {
-            (least.min(c.value() + c.error()), most.max(c.value() - c.error()))
+            (least.min(c.value() + sign * c.error()), most.max(c.value() - sign * c.error()))
         });
         most - least
     };
-    side(0).max(side(1)).max(side(2)).max(0.0)
+    let longest = |sign: f64| (0..3).map(|axis| side(axis, sign)).fold(0.0, f64::max);
+    [longest(1.0), longest(-1.0)]
 }

@@ -163,6 +163,27 @@ fn near_flat_triangles_merge_only_when_asked() {
     assert_eq!(block.topology().faces().len(), 7);
 }
 
+/// The sides of a plate reach as far from the plane of its top as it is thick.
+#[test]
+fn faces_may_merge_within_just_the_distance_of_a_neighbour() {
+    for (size, low, thickness) in
+        [("1", "0", "1e-3"), ("1", "1e6", "1/1024"), ("1e-20", "0", "1e-28"), ("1e20", "1e20", "1e18"), ("3/7", "1/3", "1/700")]
+    {
+        let [size, low, thickness] = [size, low, thickness].map(|text| number(text).to_rational());
+        let corner = |side: &BigRational, height: &BigRational| {
+            let [side, height] = [&low + side, &low + height].map(Number::from_rational);
+            Vec3::new(side.clone(), side, height)
+        };
+        let zero = BigRational::zero();
+        let plate = Block::cuboid(&corner(&zero, &zero), &corner(&size, &thickness)).unwrap();
+        let may = |share: &str| {
+            let planarity = &thickness / &size * number(share).to_rational();
+            plate.may_merge_within(&Number::from_rational(planarity))
+        };
+        assert_eq!((may("1"), may("1000001/1000000"), may("999/1000"), may("0")), (true, true, false, false), "{plate:?}");
+    }
+}
+
 #[test]
 fn a_nearly_straight_edge_loses_its_vertex_only_when_asked() {
     let mut vertices = points(&CUBE);

@@ -118,7 +118,7 @@ impl SquaredRadius {
     fn of(block: &Block) -> SquaredRadius {
         let (lattice, points) = block.lattice_points();
         let (numerator, denominator) = lattice.units_per_metre();
-        let moments = block.moments(&points);
+        let moments = block.moments();
         let weight = &moments.six_volumes * BigInt::from(4);
         let distance = |p: &Vec3<BigInt>| p.minus(&points[0]).scaled(&weight).minus(&moments.sum).norm_squared();
         let furthest = points.iter().map(distance).max().unwrap_or_default();

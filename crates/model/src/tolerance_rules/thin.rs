@@ -62,10 +62,10 @@ pub fn thin(set: &ToleranceSet, blocks: &[&Block]) -> Option<Thin> {
 fn thickness_squared(block: &Block, limit: &BigRational) -> Option<BigRational> {
     let (lattice, points) = block.lattice_points();
     let (numerator, denominator) = lattice.units_per_metre();
-    let six_volumes = block.moments(&points).six_volumes;
+    let six_volumes = &block.moments().six_volumes;
     let axes: [fn(&Vec3<BigInt>) -> BigInt; 3] = [|p| p.x.clone(), |p| p.y.clone(), |p| p.z.clone()];
     let diagonal_squared: BigInt = axes.iter().map(|along| extent(&points, along).pow(2)).sum();
-    if &six_volumes * limit.denom() * &denominator >= BigInt::from(6) * diagonal_squared * limit.numer() * &numerator {
+    if six_volumes * limit.denom() * &denominator >= BigInt::from(6) * diagonal_squared * limit.numer() * &numerator {
         return None;
     }
     let along = |face: &Vec<VertexId>| {
