@@ -81,7 +81,7 @@ impl Check {
         let rest = || warnings() + &stored_text() + &bare_text() + &overlaps.report(&model.scene) + &unseen();
         self.format.print(rest, || {
             let mut document = model.json();
-            document["touch_nothing"] = overlaps.lonely(model.scene.blocks.len()).into();
+            document["touch_nothing"] = overlaps.lonely().into();
             document["rules_violated"] = model.violations.iter().map(violation_json).collect();
             document["overlaps"] = overlaps.json();
             document["reflex_edges"] = bare.iter().map(BareEdge::json).collect();

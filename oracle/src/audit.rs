@@ -208,6 +208,16 @@ impl<'s> Auditor<'s> {
         pairs
     }
 
+    /// Whether the normal of a face of either block shows that they are further apart than a length (m): that of neighbouring pairs whose boxes alone are near.
+    /// False where no face shows it, though the blocks may be so far apart.
+    ///
+    /// # Panics
+    /// When there is no block of one of the numbers.
+    pub fn is_surely_apart(&self, blocks: [usize; 2], length: &Number) -> bool {
+        let prepared = blocks.map(|k| &self.prepared[k]);
+        planes::greatest_certain_gap(prepared, blocks.map(|k| &self.bodies[k].planes)) > length.approximate().next_up()
+    }
+
     /// The audit of one pair. The pair need not be of those that [`Auditor::neighbours`] lists.
     ///
     /// # Panics

@@ -311,3 +311,32 @@ fn blocks_that_touch_nothing_are_named() {
     let (_, _, err) = place.run(&["check", "near.toml"]);
     assert!(!err.contains("touches nothing"), "{err}");
 }
+
+/// Two cubes of 1 m, 0.2 m from one another along a side, turned about z by the angle whose cosine is 3/5. Their boxes meet.
+#[test]
+fn turned_blocks_whose_boxes_alone_are_near_touch_nothing() {
+    let place = Place::new();
+    let cube = |from: f64| {
+        let corner =
+            |[u, v, z]: [f64; 3]| format!("[{}, {}, {z}]", (3.0 * u - 4.0 * v) / 5.0, (4.0 * u + 3.0 * v) / 5.0);
+        let [low, high] = [from, from + 1.0];
+        let side = |z: f64| [[low, 0.0, z], [high, 0.0, z], [high, 1.0, z], [low, 1.0, z]].map(corner).join(", ");
+        format!(
+            "[[block]]\nvertices = [{}, {}]\nfaces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]\n",
+            side(0.0),
+            side(1.0)
+        )
+    };
+    let pair = |gap: f64| cube(0.0) + &cube(1.0 + gap);
+    place.file("apart.toml", &pair(0.25));
+    let (code, out, err) = place.run(&["check", "apart.toml", "--format", "json"]);
+    let document: serde_json::Value = serde_json::from_str(&out).expect("a document");
+    assert_eq!((code, &document["touch_nothing"]), (0, &serde_json::json!([0, 1])), "{err}");
+    let (code, out, err) = place.run(&["examine", "apart.toml", "--no-tune", "--out", "apart"]);
+    let told = "not decided: no two blocks are near enough to touch (search is 0.1563 m)\n";
+    assert!(code == 1 && out.starts_with(told) && !out.contains("  ✓ f64"), "{out}{err}");
+    place.file("near.toml", &pair(0.125));
+    let (_, out, _) = place.run(&["check", "near.toml", "--format", "json"]);
+    let document: serde_json::Value = serde_json::from_str(&out).expect("a document");
+    assert_eq!(document["touch_nothing"], serde_json::json!([]));
+}

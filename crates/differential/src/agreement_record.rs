@@ -73,6 +73,11 @@ impl AgreementRecord {
         &mut self.rows[at]
     }
 
+    /// How many contacts were there before, in all comparisons of these links.
+    pub fn contacts_before(&self, span: ChainSpan) -> u64 {
+        self.rows.iter().filter(|row| row.span == span).map(|row| row.counts.contacts).sum()
+    }
+
     /// Two answers.
     pub fn answers(&mut self, compared: &Compared<'_>, before: &[Contact], after: &[Contact], features: Features<'_>) {
         let row = self.row(compared);

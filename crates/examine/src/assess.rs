@@ -57,7 +57,7 @@ pub struct Assessment {
     pub bare_edges: Vec<BareEdge>,
     /// The blocks that overlap.
     pub overlaps: Overlaps,
-    /// Whether a block of a neighbouring pair can move: between fixed blocks nothing can go wrong.
+    /// Whether a block of a pair that touches can move: between fixed blocks nothing can go wrong.
     pub has_moving_pair: bool,
     /// All neighbouring pairs, in ascending order.
     pub pairs: Vec<ExaminedPair>,
@@ -270,7 +270,7 @@ impl Work<'_> {
 
 /// Whether a block of some pair can move.
 fn any_moves(pairs: &[ExaminedPair], fixed: &[bool]) -> bool {
-    pairs.iter().any(|pair| pair.blocks.iter().any(|&block| !fixed[block]))
+    pairs.iter().any(|pair| pair.touches && pair.blocks.iter().any(|&block| !fixed[block]))
 }
 
 /// The pairs whose springs store more when time begins than weights and loads explain: as the blocks stand, or after settling. Nothing is known of it where

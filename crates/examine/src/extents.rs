@@ -2,7 +2,9 @@
 
 use num_traits::ToPrimitive;
 use rockproof_model::scene::SceneFormat;
-use rockproof_model::{Number, Scene};
+use rockproof_model::topology::Edge;
+use rockproof_model::{Block, Number, Ring, Scene};
+use rockproof_oracle::rational::Rational;
 
 /// Blocks are between these sizes in metres (the cube root of the volume) unless the units are others: more than half of them, and at least three, or all.
 const SIZES: [f64; 2] = [1e-3, 100.0];
@@ -23,12 +25,18 @@ pub struct Extents {
     sizes: [f64; 2],
 }
 
+/// The length of an edge (m), rounded to the nearest f64.
+fn exact_length(shape: &Block, edge: &Edge) -> Option<f64> {
+    let [p, q] = [edge.p, edge.q].map(|end| shape.vertices()[end.index()].map(Number::to_rational));
+    p.minus(&q).norm_squared().sqrt_rounded()
+}
+
 impl Extents {
     /// Of a scene that has blocks.
     pub fn of(scene: &Scene) -> Extents {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
-        let (mut shortest, mut block) = (f64::INFINITY, 0);
+        let (mut shortest, mut block, mut of) = (f64::INFINITY, 0, None);
         let mut volumes = Vec::with_capacity(scene.blocks.len());
         for (number, shape) in scene.shapes().into_iter().enumerate() {
             let points: Vec<[f64; 3]> =
@@ -43,10 +51,14 @@ impl Extents {
                 let [p, q] = [edge.p, edge.q].map(|end| points[end.index()]);
                 let length = (0..3).map(|axis| (p[axis] - q[axis]).powi(2)).sum::<f64>().sqrt();
                 if length < shortest {
-                    (shortest, block) = (length, number);
+                    (shortest, block, of) = (length, number, Some((shape, edge)));
                 }
             }
             volumes.push(shape.volume().to_f64().unwrap_or(f64::NAN));
+        }
+        // Far from the origin rounded coordinates give another length.
+        if let Some(exact) = of.and_then(|(shape, edge)| exact_length(shape, edge)) {
+            shortest = exact;
         }
         volumes.sort_by(f64::total_cmp);
         // A base as long as the model, or a sliver, says nothing of the unit.

@@ -64,11 +64,32 @@ pub fn overlaps(
     });
     // Most pairs of a mass are apart, so nothing is kept of them.
     let audit = audited.fold(Audit::default, Audit::with).reduce(Audit::default, Audit::and);
-    let found = Overlaps::of(audit, &rounding, pairs);
+    let is_near = near_others(blocks.len(), &audit, (&auditor, &tolerances.search), &pairs);
+    let found = Overlaps::of(audit, &rounding, pairs, is_near);
     if found.severities.iter().any(|&severity| severity != OverlapSeverity::Rounding) {
         return found;
     }
-    Overlaps::of(with_deepest_measured(found.audit, &auditor), &rounding, found.neighbours)
+    Overlaps::of(with_deepest_measured(found.audit, &auditor), &rounding, found.neighbours, found.is_near)
+}
+
+/// Of each block whether it may be near another: whether it overlaps one, or no face shows that it is further from a neighbour than `search`.
+fn near_others(
+    blocks: usize,
+    audit: &Audit,
+    (auditor, search): (&Auditor<'_>, &Number),
+    neighbours: &[[usize; 2]],
+) -> Vec<bool> {
+    let mut is_near = vec![false; blocks];
+    let overlapping = audit.overlaps.iter().map(|overlap| overlap.blocks);
+    let overlapping = overlapping.chain(audit.bounded.iter().map(|overlap| overlap.blocks));
+    overlapping.flatten().for_each(|block| is_near[block] = true);
+    for pair in neighbours {
+        let is_known = pair.iter().all(|&block| is_near[block]);
+        if !is_known && !auditor.is_surely_apart(*pair, search) {
+            pair.iter().for_each(|&block| is_near[block] = true);
+        }
+    }
+    is_near
 }
 
 /// The same with the deepest of the overlaps that were bounded measured: the only one of rounding whose depth anyone is told.
@@ -88,13 +109,15 @@ pub struct Overlaps {
     severities: Vec<OverlapSeverity>,
     /// The neighbouring pairs, or those asked for.
     neighbours: Vec<[usize; 2]>,
+    /// Of each block whether it may be near another one of these pairs.
+    is_near: Vec<bool>,
 }
 
 impl Overlaps {
     /// Those of an audit of these pairs; within `rounding` m rounding decides.
-    fn of(audit: Audit, rounding: &Number, neighbours: Vec<[usize; 2]>) -> Overlaps {
+    fn of(audit: Audit, rounding: &Number, neighbours: Vec<[usize; 2]>, is_near: Vec<bool>) -> Overlaps {
         let severities = audit.overlaps.par_iter().map(|overlap| overlap.severity(rounding)).collect();
-        Overlaps { audit, severities, neighbours }
+        Overlaps { audit, severities, neighbours, is_near }
     }
 
     /// How many overlaps make a run untrustworthy: deeper than `penetration`, or seen by no contact though more than rounding.
@@ -107,16 +130,15 @@ impl Overlaps {
         &self.neighbours
     }
 
-    /// The blocks in no neighbouring pair, of a scene of so many, in ascending order; none where it is only one.
-    pub fn lonely(&self, blocks: usize) -> Vec<usize> {
-        let mut is_near = vec![blocks == 1; blocks];
-        self.neighbours.iter().flatten().for_each(|&block| is_near[block] = true);
-        (0..blocks).filter(|&block| !is_near[block]).collect()
+    /// The blocks that are further than `search` from all others, as far as boxes and the normals of faces show it, in ascending order; none where there is only one block.
+    pub fn lonely(&self) -> Vec<usize> {
+        let all = if self.is_near.len() == 1 { &[] } else { self.is_near.as_slice() };
+        all.iter().enumerate().filter(|(_, is_near)| !**is_near).map(|(block, _)| block).collect()
     }
 
     /// The blocks that touch nothing, the first of them with their names; `None` where every block is near another.
     pub fn lonely_sentence(&self, scene: &Scene) -> Option<String> {
-        let lonely = self.lonely(scene.blocks.len());
+        let lonely = self.lonely();
         let named = lonely.iter().take(MAX_NAMED).map(|&block| match scene.own_name(block) {
             Some(name) => format!("{block} ({})", excerpt(name, EXCERPT_LENGTH)),
             None => block.to_string(),

@@ -2,6 +2,7 @@
 
 use crate::progress::WorkProgress;
 use rayon::prelude::*;
+use rockproof_differential::agreement::ChainSpan;
 use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::compare::AnswerChange;
@@ -19,6 +20,8 @@ pub(crate) const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 pub struct ExaminedPair {
     /// The blocks, the lower number first.
     pub blocks: [usize; 2],
+    /// Whether there are exact contacts, under the tolerances of either precision.
+    pub touches: bool,
     /// Contacts that the tolerances add, remove or change, everything exact.
     pub tolerance: u64,
     /// What differs in f32, and in f64.
@@ -108,8 +111,10 @@ pub(crate) fn examine_all(
         if stop.load(Ordering::SeqCst) {
             return None;
         }
-        let mut found = ExaminedPair { blocks: pair, tolerance: 0, engines: Default::default() };
-        for finding in examine_pair(&subject(blocks, number, pair, set), &panel).findings {
+        let examined = examine_pair(&subject(blocks, number, pair, set), &panel);
+        let touches = examined.agreement.contacts_before(ChainSpan::Representation) > 0;
+        let mut found = ExaminedPair { blocks: pair, touches, tolerance: 0, engines: Default::default() };
+        for finding in examined.findings {
             let is_f64 = match &finding.scope {
                 FindingScope::Any => false,
                 FindingScope::Rounded(precision) => *precision == Precision::F64,

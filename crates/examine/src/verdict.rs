@@ -118,7 +118,7 @@ pub fn mark(severity: Severity) -> char {
 /// What a model called safe was not tried in, so that nobody takes little for much: blocks in no pair, and steps where none was made.
 fn untried(found: &Examination) -> String {
     let all = found.model.scene.blocks.len();
-    let lonely = Some(found.given.overlaps.lonely(all).len()).filter(|lonely| *lonely > 0);
+    let lonely = Some(found.given.overlaps.lonely().len()).filter(|lonely| *lonely > 0);
     let lonely = lonely.map(|lonely| format!("{lonely} of {all} blocks {} nothing", noun(lonely, "touches", "touch")));
     let steps = found.given.steps.made().is_none().then(|| "no step was made".to_owned());
     let untried: Vec<String> = lonely.into_iter().chain(steps).collect();
@@ -129,7 +129,7 @@ fn untried(found: &Examination) -> String {
 fn untouched(given: &Assessment, scene: &Scene) -> String {
     match scene.blocks.len() {
         _ if scene.fixed().into_iter().all(|is_fixed| is_fixed) => "every block is fixed, so nothing moves".to_owned(),
-        _ if !given.pairs.is_empty() => {
+        _ if given.pairs.iter().any(|pair| pair.touches) => {
             "of neighbouring blocks both are fixed, and no block that moves touches another".to_owned()
         }
         1 => "one block alone touches nothing".to_owned(),
@@ -139,9 +139,9 @@ fn untouched(given: &Assessment, scene: &Scene) -> String {
     }
 }
 
-/// Nothing found among the pairs is good news only where there are some.
+/// Nothing found among the pairs is good news only where some touch.
 fn good(given: &Assessment) -> Severity {
-    if given.pairs.is_empty() { Severity::Fair } else { Severity::Good }
+    if given.pairs.iter().any(|pair| pair.touches) { Severity::Good } else { Severity::Fair }
 }
 
 fn other_than(precision: Precision) -> Precision {

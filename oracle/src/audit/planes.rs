@@ -105,6 +105,13 @@ pub(super) fn separating_face(prepared: [&PreparedBlock; 2], planes: [&FacePlane
     undecided.into_iter().any(separates).then_some(Decider::ExactFacePlane)
 }
 
+/// A length in m that two blocks are certainly further apart than, along the normal of a face; negative infinity where nothing is known.
+pub(super) fn greatest_certain_gap(prepared: [&PreparedBlock; 2], planes: [&FacePlanes; 2]) -> f64 {
+    // Directions are longer than 1 by a few roundoffs at most.
+    let certain = gaps(prepared, planes).map(|(_, _, gap)| (gap.value - gap.doubt) * (1.0 - 16.0 * f64::EPSILON));
+    certain.fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// The depth in m that the penetration of two convex blocks certainly does not exceed: the least that moving along the normal
 /// of a face takes, of the faces along which f64 finds it least. Penetration of convex blocks is the least over directions
 /// among which these normals are (`penetration::convex`), so any face bounds it. Infinite where nothing is known.

@@ -166,9 +166,13 @@ fn near_flat_triangles_merge_only_when_asked() {
 /// The sides of a plate reach as far from the plane of its top as it is thick.
 #[test]
 fn faces_may_merge_within_just_the_distance_of_a_neighbour() {
-    for (size, low, thickness) in
-        [("1", "0", "1e-3"), ("1", "1e6", "1/1024"), ("1e-20", "0", "1e-28"), ("1e20", "1e20", "1e18"), ("3/7", "1/3", "1/700")]
-    {
+    for (size, low, thickness) in [
+        ("1", "0", "1e-3"),
+        ("1", "1e6", "1/1024"),
+        ("1e-20", "0", "1e-28"),
+        ("1e20", "1e20", "1e18"),
+        ("3/7", "1/3", "1/700"),
+    ] {
         let [size, low, thickness] = [size, low, thickness].map(|text| number(text).to_rational());
         let corner = |side: &BigRational, height: &BigRational| {
             let [side, height] = [&low + side, &low + height].map(Number::from_rational);
@@ -180,7 +184,11 @@ fn faces_may_merge_within_just_the_distance_of_a_neighbour() {
             let planarity = &thickness / &size * number(share).to_rational();
             plate.may_merge_within(&Number::from_rational(planarity))
         };
-        assert_eq!((may("1"), may("1000001/1000000"), may("999/1000"), may("0")), (true, true, false, false), "{plate:?}");
+        assert_eq!(
+            (may("1"), may("1000001/1000000"), may("999/1000"), may("0")),
+            (true, true, false, false),
+            "{plate:?}"
+        );
     }
 }
 

@@ -8,13 +8,17 @@ use crate::scene::Scene;
 use crate::tolerance::ToleranceSet;
 
 /// The block whose contacts may pull it most for its weight, if they may pull no less than that. A closed contact opens where its gap is wider than `open`, and its normal spring pulls until then: by p·`open`,
-/// and n of them, the corners of the block's smallest face, by n·p·`open`, p the softest normal stiffness that the block can meet. **A pull of exactly the weight is told.** Nothing is said without gravity.
+/// and n of them, the corners of the block's smallest face, by n·p·`open`, p the softest normal stiffness that the block can meet. **A pull of exactly the weight is told.** Nothing is said without gravity, nor
+/// where `open` is no more than 2⁻³⁰ of `search`, as `auto` has it in f64: what hung by so little would be a splinter beside the others.
 pub(super) fn pull(set: &ToleranceSet, scene: &Scene, source: &ColumnSource<'_>) -> Option<Warning> {
     let (_, acceleration) = gravity(scene)?;
     let open = set.open.approximate();
+    if open <= set.search.approximate() * 2f64.powi(-30) {
+        return None;
+    }
     let pulled = source.masses.iter().zip(&source.contacts).enumerate().filter_map(|(block, (mass, contacts))| {
         let (found, weight) = (contacts * open, (*mass)? * acceleration);
-        (found >= weight && found > 0.0).then_some(((block, found, weight), found / weight))
+        (found >= weight).then_some(((block, found, weight), found / weight))
     });
     let ((block, found, allowed), _) = largest(pulled)?;
     let remedy = format!("open ≤ {}", six_digits(allowed / source.contacts[block], false, false));

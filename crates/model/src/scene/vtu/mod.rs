@@ -68,10 +68,11 @@ impl PieceReader<'_> {
         let mut used = vec![false; points.len()];
         let mut blocks = Vec::new();
         for (cell, &kind) in kinds.iter().enumerate() {
+            // Of a polyhedron its faces say what it is, but a cell must be in the list all the same.
+            let corners = self.part(&connectivity, &ends, cell, "connectivity")?;
             let faces = if kind == POLYHEDRON {
                 self.polyhedron(&polyhedra, cell, points.len())?
             } else {
-                let corners = self.part(&connectivity, &ends, cell, "connectivity")?;
                 let corners = self.numbers(corners, points.len(), &format!("a point number of cell {cell}"))?;
                 let Some(known) = KINDS.iter().find(|known| known.number == kind) else {
                     return Err(self.unknown_kind(cell, kind));
