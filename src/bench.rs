@@ -533,7 +533,7 @@ fn figure(text: &str) -> Value {
     match cell(text) {
         TableCell::Empty => Value::Null,
         TableCell::Count(count) => count.into(),
-        TableCell::Share(number) | TableCell::Number(number) => number.into(),
+        TableCell::Share(number) | TableCell::Number(number) | TableCell::Setting(number) => number.into(),
         TableCell::Text(text) | TableCell::Scope(text) => text.into(),
     }
 }

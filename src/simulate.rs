@@ -755,7 +755,9 @@ fn write_summary<R: Real>(
         return write_end(out, record, ending);
     }
     let smallest = totals.smallest_step.map_or("–".to_owned(), |s| short(s.0));
-    writeln!(out, "smallest Δt      {smallest} s")?;
+    // Iterations and retries are of all steps.
+    let left_out = if totals.settling > 0 { ", settling left out" } else { "" };
+    writeln!(out, "smallest Δt      {smallest} s{left_out}")?;
     let mean = totals.iterations as f64 / all.max(1) as f64;
     writeln!(out, "iterations       {mean:.2} a step, at most {}", totals.most_iterations)?;
     writeln!(out, "unconverged      {}", counted(totals.unconverged, "step", "steps"))?;

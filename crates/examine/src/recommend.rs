@@ -119,7 +119,7 @@ impl PreferredSet {
         let [sunk, theirs_sunk] =
             [ours, theirs].map(|measured| format!("{:.2e} m", measured.steps_measured.overlaps.sunk));
         if sunk != theirs_sunk {
-            figures.push(format!("blocks sink {sunk} instead of {theirs_sunk}"));
+            figures.push(format!("blocks sink {sunk} instead of {theirs_sunk} in the steps of the search"));
         }
         let [slack, theirs_slack] = [ours, theirs].map(|measured| format!("{:.2}", measured.tightest.factor));
         if slack != theirs_slack {

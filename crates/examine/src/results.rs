@@ -284,7 +284,7 @@ pub fn tolerance_table(found: &Examination) -> Table {
     let mut table = Table::new("tolerances", "Lengths in m", &header[..=sets.len()]);
     let numbers: Vec<_> = sets.iter().map(|set| set.numbers()).collect();
     for (row, (name, _)) in numbers[0].iter().enumerate() {
-        let values = numbers.iter().map(|numbers| TableCell::Number(numbers[row].1.approximate()));
+        let values = numbers.iter().map(|numbers| TableCell::Setting(numbers[row].1.approximate()));
         table.push(std::iter::once((*name).into()).chain(values).collect());
     }
     let criteria = sets.iter().map(|set| set.criteria.name().into());

@@ -32,7 +32,7 @@ pub fn latex(table: &Table, most: usize) -> String {
 fn cell(cell: &TableCell) -> String {
     let shown = cell.shown();
     match cell {
-        TableCell::Number(number) if number.is_finite() => match shown.split_once('e') {
+        TableCell::Number(number) | TableCell::Setting(number) if number.is_finite() => match shown.split_once('e') {
             Some((digits, exponent)) => format!("${digits}\\times10^{{{exponent}}}$"),
             None => format!("${shown}$"),
         },

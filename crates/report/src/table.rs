@@ -18,6 +18,8 @@ pub enum TableCell {
     Share(f64),
     /// Any other number.
     Number(f64),
+    /// A number that is set in a file, and that a reader may copy.
+    Setting(f64),
 }
 
 impl From<&str> for TableCell {
@@ -51,11 +53,11 @@ impl TableCell {
             TableCell::Text(text) | TableCell::Scope(text) => csv_cell(text),
             TableCell::Count(count) => count.to_string(),
             TableCell::Share(share) => format!("{share:.6}"),
-            TableCell::Number(number) => format!("{number:?}"),
+            TableCell::Number(number) | TableCell::Setting(number) => format!("{number:?}"),
         }
     }
 
-    /// As a reader likes it: thousands apart, shares in percent, numbers to three digits.
+    /// As a reader likes it: thousands apart, shares in percent, numbers to three digits, settings to six.
     pub fn shown(&self) -> String {
         match self {
             TableCell::Empty => "–".to_owned(),
@@ -64,6 +66,7 @@ impl TableCell {
             TableCell::Count(count) => grouped(*count),
             TableCell::Share(share) => percent(*share),
             TableCell::Number(number) => short(*number),
+            TableCell::Setting(number) => six_digits(*number),
         }
     }
 
@@ -245,6 +248,13 @@ mod tests {
     #[test]
     fn groups_by_three() {
         assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1\u{202f}000", "1\u{202f}234\u{202f}567"]);
+    }
+
+    #[test]
+    fn settings_are_shown_as_they_are_copied() {
+        let shown = [0.0125, 0.1, 1.0 / 3.0, 2.0e-12].map(|value| TableCell::Setting(value).shown());
+        assert_eq!(shown, ["0.0125", "0.1", "0.333333", "2e-12"]);
+        assert_eq!(TableCell::Setting(1.0 / 3.0).raw(), "0.3333333333333333");
     }
 
     #[test]
