@@ -105,7 +105,19 @@ impl Compare {
                 noun(gone.len(), "takes", "take")
             ));
         }
-        Ok(if denied || unknown || unsaid || !gone.is_empty() { ExitStatus::CheckFailed } else { ExitStatus::Passed })
+        // Nor those of one that hardly answers.
+        let silent: &[String] = if self.deny.is_empty() { &[] } else { comparison.silent_engines() };
+        if !silent.is_empty() {
+            print_note(&format!(
+                "denied: {} answered less than half of the pairs of the run after, so next to nothing was compared",
+                silent.join(", ")
+            ));
+        }
+        Ok(if denied || unknown || unsaid || !gone.is_empty() || !silent.is_empty() {
+            ExitStatus::CheckFailed
+        } else {
+            ExitStatus::Passed
+        })
     }
 }
 

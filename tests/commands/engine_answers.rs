@@ -150,3 +150,21 @@ fn a_program_that_changed_before_the_run_goes_on_is_told() {
     assert_eq!(json["external_engines"]["mine"]["programs"].as_array().map(Vec::len), Some(2), "{json}");
     assert!(!run("16", "--overwrite").contains(changed));
 }
+
+/// Of an engine that refuses nearly all pairs nothing is found: what ended so must not pass for better.
+#[test]
+fn a_comparison_with_an_engine_that_hardly_answers_is_denied() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let place = dir.path();
+    campaign(place, NO_CONTACTS, &FEW);
+    fs::rename(place.join("out"), place.join("before")).expect("renamed");
+    let refuses = "echo \"{\\\"id\\\":$id,\\\"unsupported\\\":\\\"no\\\"}\";";
+    campaign(place, &format!("if [ $n = 1 ]; then {NO_CONTACTS} else {refuses} fi;"), &FEW);
+    let told = "mine answered less than half of the pairs of the run after";
+    let (code, out, _) = rockproof_in(place, &["compare", "before", "out"]);
+    assert!(code == 0 && out.contains(told), "{out}");
+    let (code, _, err) = rockproof_in(place, &["compare", "before", "out", "--deny", "more"]);
+    assert!(code == 1 && err.contains(&format!("note: denied: {told}, so next to nothing was compared\n")), "{err}");
+    let (code, out, err) = rockproof_in(place, &["compare", "out", "before", "--deny", "other"]);
+    assert!(code == 0 && !out.contains(told), "{out}{err}");
+}

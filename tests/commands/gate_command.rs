@@ -246,6 +246,11 @@ fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
             "corpus = []\n[baseline]\nfile = \"x\"\nfields = [\"colour\"]\n",
             vec!["line 4: baseline.fields has \"colour\"", "predicate"],
         ),
+        (
+            "corpus = []\n[baseline]\nfile = \"x\"\ncauses = []\n",
+            vec!["line 4: baseline.causes is empty, with none every run would pass; allowed are ", "defect"],
+        ),
+        ("corpus = []\n[baseline]\nfile = \"x\"\nfields = []\n", vec!["line 4: baseline.fields is empty", "predicate"]),
         ("", vec!["gate.toml: nothing stands in it; allowed are corpus, ", "[[limit]]"]),
         ("# nothing\n", vec!["nothing stands in it"]),
         ("corpus = [\"nowhere\"]\n", vec!["there is no nowhere", "corpus = []"]),

@@ -137,6 +137,14 @@ impl GateConfig {
             for (key, list, allowed) in
                 [("causes", &baseline.causes, &known[..]), ("fields", &baseline.fields, &FIELDS[..])]
             {
+                if list.is_empty() {
+                    let line = line_of_key("baseline", key);
+                    let why = "with none every run would pass";
+                    return Err(format!(
+                        "{file} line {line}: baseline.{key} is empty, {why}; allowed are {}",
+                        allowed.join(", ")
+                    ));
+                }
                 if let Some(found) = list.iter().find(|name| !allowed.contains(&name.as_str())) {
                     let found = excerpt(found, EXCERPT_LENGTH);
                     let line = line_of_key("baseline", key);

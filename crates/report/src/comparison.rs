@@ -54,6 +54,9 @@ pub struct RunComparison {
     pub settings: Vec<SettingChange>,
     /// Engines that take part in one of them alone, before and after: left out.
     pub engines_left_out: [Vec<String>; 2],
+    /// External engines of both runs that answered less than half of the pairs of the run after.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub engines_silent: Vec<String>,
     /// The sorts of findings.
     pub findings: FindingComparison,
     /// The shares of right answers, of pairs as each run has them.
@@ -87,7 +90,18 @@ impl RunComparison {
         let details = details(runs, same_pairs.is_some())?;
         let names =
             if first.name == second.name { dirs.map(|dir| dir.display().to_string()) } else { dirs.map(last_name) };
-        Ok(RunComparison { runs: names, pairs, same_pairs, settings, engines_left_out, findings, agreement, details })
+        let engines_silent = silent_engines(runs);
+        Ok(RunComparison {
+            runs: names,
+            pairs,
+            same_pairs,
+            settings,
+            engines_left_out,
+            engines_silent,
+            findings,
+            agreement,
+            details,
+        })
     }
 
     /// How many sorts of findings fared so.
@@ -98,6 +112,11 @@ impl RunComparison {
     /// Engines and precisions of the run before that take no part in the run after: nothing is known of their findings.
     pub fn gone_engines(&self) -> &[String] {
         &self.engines_left_out[0]
+    }
+
+    /// External engines that hardly answered in the run after: next to nothing was compared of them.
+    pub fn silent_engines(&self) -> &[String] {
+        &self.engines_silent
     }
 
     /// Whether an external engine says less of its contacts, or of how blocks lie, than before, so that less is compared.
@@ -141,6 +160,15 @@ impl RunComparison {
             ),
         };
         lines.push(line(if self.examined() == 0 { Severity::Bad } else { severity }, text));
+        if !self.engines_silent.is_empty() {
+            let engines = self.engines_silent.join(", ");
+            lines.push(line(
+                Severity::Bad,
+                format!(
+                    "{engines} answered less than half of the pairs of the run after: next to nothing was compared."
+                ),
+            ));
+        }
         lines.extend(self.details.iter().flat_map(DetailChange::verdict));
         if let Some(text) = self.left_out() {
             lines.push(line(Severity::Fair, text));
@@ -323,6 +351,16 @@ fn differences(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<S
 }
 
 /// What users of each engine see, under each setting that both runs have.
+/// As [`RunComparison::engines_silent`].
+fn silent_engines([before, after]: [&CampaignRun; 2]) -> Vec<String> {
+    let in_both = after.run.external_engines.keys().filter(|engine| before.run.external_engines.contains_key(*engine));
+    let is_silent = |engine: &&String| {
+        let counts = after.of_engine(engine);
+        counts.pairs - counts.silent < counts.silent
+    };
+    in_both.filter(is_silent).cloned().collect()
+}
+
 fn shares(runs: [&CampaignRun; 2]) -> Vec<ShareChange> {
     let sums = runs.map(|run| {
         let whole = run.by_setting().into_iter().filter(|(key, _)| run.is_of_users(key) && run.shows(&key.tolerances));
