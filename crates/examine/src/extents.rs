@@ -3,7 +3,7 @@
 use num_traits::ToPrimitive;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::topology::Edge;
-use rockproof_model::{Block, Number, Ring, Scene};
+use rockproof_model::{Block, Number, Scene};
 use rockproof_oracle::rational::Rational;
 
 /// Blocks are between these sizes in metres (the cube root of the volume) unless the units are others: more than half of them, and at least three, or all.

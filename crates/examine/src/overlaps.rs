@@ -394,7 +394,7 @@ mod tests {
             (overlap.sight, overlap.contact) = (OverlapVisibility::Unseen, None);
         }
         found.audit.overlaps[2].sight = OverlapVisibility::Shallow;
-        let found = Overlaps::of(found.audit, &rounding_depth(&blocks, Precision::F64), found.neighbours);
+        let found = Overlaps::of(found.audit, &rounding_depth(&blocks, Precision::F64), found.neighbours, found.is_near);
         let said = found.sentence().expect("overlaps");
         assert!(said.starts_with("2 pairs (worst 0–2, 0.0020 m) overlap where no contact sees it, and will"), "{said}");
         assert!(said.contains(" pass through one another (0 seen, 0 shallow, 2 unseen); "), "{said}");
