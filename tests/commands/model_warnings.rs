@@ -333,9 +333,9 @@ fn turned_blocks_whose_boxes_alone_are_near_touch_nothing() {
     let document: serde_json::Value = serde_json::from_str(&out).expect("a document");
     assert_eq!((code, &document["touch_nothing"]), (0, &serde_json::json!([0, 1])), "{err}");
     let (code, out, err) = place.run(&["examine", "apart.toml", "--no-tune", "--out", "apart"]);
-    let told = "not decided: no two blocks are near enough to touch (search is 0.1563 m)\n";
+    let told = "not decided: no two blocks are near enough to touch (search is 0.03 m)\n";
     assert!(code == 1 && out.starts_with(told) && !out.contains("  ✓ f64"), "{out}{err}");
-    place.file("near.toml", &pair(0.125));
+    place.file("near.toml", &pair(0.0234375));
     let (_, out, _) = place.run(&["check", "near.toml", "--format", "json"]);
     let document: serde_json::Value = serde_json::from_str(&out).expect("a document");
     assert_eq!(document["touch_nothing"], serde_json::json!([]));

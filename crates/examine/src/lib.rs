@@ -13,6 +13,7 @@ mod error;
 mod extents;
 mod intrusion_recorder;
 mod naming;
+mod near_others;
 mod next_command;
 mod overlaps;
 mod pairs;

@@ -1,6 +1,7 @@
 //! Overlaps of a model, for every command that begins with one: the exact audit (SPEC section 7), in words.
 
 use crate::deepest::deepest;
+use crate::near_others::near_others;
 use crate::progress::{Stage, WorkProgress};
 use rayon::prelude::*;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt, noun};
@@ -70,26 +71,6 @@ pub fn overlaps(
         return found;
     }
     Overlaps::of(with_deepest_measured(found.audit, &auditor), &rounding, found.neighbours, found.is_near)
-}
-
-/// Of each block whether it may be near another: whether it overlaps one, or no face shows that it is further from a neighbour than `search`.
-fn near_others(
-    blocks: usize,
-    audit: &Audit,
-    (auditor, search): (&Auditor<'_>, &Number),
-    neighbours: &[[usize; 2]],
-) -> Vec<bool> {
-    let mut is_near = vec![false; blocks];
-    let overlapping = audit.overlaps.iter().map(|overlap| overlap.blocks);
-    let overlapping = overlapping.chain(audit.bounded.iter().map(|overlap| overlap.blocks));
-    overlapping.flatten().for_each(|block| is_near[block] = true);
-    for pair in neighbours {
-        let is_known = pair.iter().all(|&block| is_near[block]);
-        if !is_known && !auditor.is_surely_apart(*pair, search) {
-            pair.iter().for_each(|&block| is_near[block] = true);
-        }
-    }
-    is_near
 }
 
 /// The same with the deepest of the overlaps that were bounded measured: the only one of rounding whose depth anyone is told.
@@ -394,7 +375,8 @@ mod tests {
             (overlap.sight, overlap.contact) = (OverlapVisibility::Unseen, None);
         }
         found.audit.overlaps[2].sight = OverlapVisibility::Shallow;
-        let found = Overlaps::of(found.audit, &rounding_depth(&blocks, Precision::F64), found.neighbours, found.is_near);
+        let found =
+            Overlaps::of(found.audit, &rounding_depth(&blocks, Precision::F64), found.neighbours, found.is_near);
         let said = found.sentence().expect("overlaps");
         assert!(said.starts_with("2 pairs (worst 0–2, 0.0020 m) overlap where no contact sees it, and will"), "{said}");
         assert!(said.contains(" pass through one another (0 seen, 0 shallow, 2 unseen); "), "{said}");
