@@ -105,11 +105,11 @@ impl Compare {
                 noun(gone.len(), "takes", "take")
             ));
         }
-        // Nor those of one that hardly answers.
+        // Nor those of one that answers far less.
         let silent: &[String] = if self.deny.is_empty() { &[] } else { comparison.silent_engines() };
         if !silent.is_empty() {
             print_note(&format!(
-                "denied: {} answered less than half of the pairs of the run after, so next to nothing was compared",
+                "denied: {} answered less than half of the pairs of the run after, and not so before, so little was compared",
                 silent.join(", ")
             ));
         }

@@ -56,7 +56,8 @@ pub(crate) fn planarity_that_merges(model: &ModelFile, scene: &Scene) -> Option<
         return None;
     }
     let widest = PLANARITIES.last().and_then(|text| Number::parse(text).ok())?;
-    if !scene.shapes().iter().any(|block| block.may_merge_within(&widest)) {
+    // Of faces that were merged, the ones before may be nearer to a plane than the whole.
+    if !scene.blocks.iter().any(|block| block.merged.faces > 0 || block.block.may_merge_within(&widest)) {
         return None;
     }
     let count = |scene: &Scene| -> [usize; 2] {

@@ -704,7 +704,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
         "kinetic_j": totals.kinetic.0,
         "potential_j": totals.potential.0,
         "energy_gained": totals.balance.gain.map(|gain| json!({ "energy_j": gain.energy.0, "held_j": gain.held.0, "from_step": gain.from, "to_step": gain.to })),
-        "standing_still": known.standstill.map(|(of, _)| json!({ "block": of.worst, "speed_m_s": of.speed, "since_step": of.since, "missing_m": of.missing, "blocks": of.blocks })),
+        "standing_still": known.standstill.map(|(of, _)| json!({ "block": of.worst, "axis": of.axis, "speed_m_s": of.speed, "since_step": of.since, "missing_m": of.missing, "blocks": of.blocks })),
         "volume_change": known.volume.map(|of| json!({ "block": of.worst, "factor": of.factor, "blocks": of.blocks })),
         "strained": known.stretch.map(|of| json!({ "block": of.worst, "shortest": of.least, "longest": of.most, "blocks": of.blocks })),
         "lockstep": lockstep,

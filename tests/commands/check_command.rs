@@ -1,7 +1,7 @@
 //! Pins what `check` says of a model's size, units and planarity, and what `--scale` does.
 
 use crate::campaigns::WITHOUT_CASES;
-use crate::place::rockproof;
+use crate::place::{Place, rockproof};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -234,4 +234,40 @@ fn a_stdout_without_room_is_named() {
         assert_eq!(ended.status.code(), Some(2), "{err}");
         assert!(err.contains("error: stdout: No space left on device"), "{err}");
     }
+}
+
+/// The flat corner is one face with what a planarity of 1e-5 merges, and that is further from its neighbour's plane than one of its triangles is.
+#[test]
+fn triangles_that_were_merged_may_merge_further() {
+    let place = Place::new();
+    place.file(
+        "corner.obj",
+        "v 0 0 0\n\
+         v 2 0 0\n\
+         v 1.2 1.2 1e-06\n\
+         v 0 2 0\n\
+         v -8 2 -0.048\n\
+         v -8 -8 -0.048\n\
+         v 2 -8 -0.048\n\
+         v 2 0 -3\n\
+         v 1.2 1.2 -3\n\
+         v 0 2 -3\n\
+         v -8 2 -3\n\
+         v -8 -8 -3\n\
+         v 2 -8 -3\n\
+         f 1 2 3\n\
+         f 1 3 4\n\
+         f 1 6 7 2\n\
+         f 1 4 5 6\n\
+         f 13 12 11 10 9 8\n\
+         f 3 2 8 9\n\
+         f 4 3 9 10\n\
+         f 5 4 10 11\n\
+         f 6 5 11 12\n\
+         f 7 6 12 13\n\
+         f 2 7 13 8\n",
+    );
+    let (code, _, err) = place.run(&["check", "corner.obj", "--planarity", "1e-5"]);
+    let told = "10 faces, of which some are nearly coplanar: with --planarity 1e-3 they are 9";
+    assert!(code == 0 && err.contains(told), "{err}");
 }

@@ -230,7 +230,7 @@ fn a_block_that_is_too_slow_for_f32_is_told() {
         line_of(&out, "standing still")
     };
     // Half of a last place there is 15.26 µm, a step 15 µm.
-    let expected = "block 1 stood still from step 1 on at a speed of 0.0150 m/s, and is 0.0015 m behind: f32 has no numbers for such short steps there";
+    let expected = "block 1 stood still along x from step 1 on at a speed of 0.0150 m/s, and is 0.0015 m behind: f32 has no numbers for such short steps there";
     assert_eq!(told("slow.toml", "stepper-f32").as_deref(), Some(expected));
     assert_eq!(told("slow.toml", "stepper-f64"), None);
     place.file("faster.toml", &slow("0.016"));

@@ -54,7 +54,7 @@ pub struct RunComparison {
     pub settings: Vec<SettingChange>,
     /// Engines that take part in one of them alone, before and after: left out.
     pub engines_left_out: [Vec<String>; 2],
-    /// External engines of both runs that answered less than half of the pairs of the run after.
+    /// External engines that answered less than half of the pairs of the run after, but not of the run before.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub engines_silent: Vec<String>,
     /// The sorts of findings.
@@ -114,7 +114,7 @@ impl RunComparison {
         &self.engines_left_out[0]
     }
 
-    /// External engines that hardly answered in the run after: next to nothing was compared of them.
+    /// External engines that answered at least half of the pairs of the run before, and less than half of those of the run after: of them little was compared.
     pub fn silent_engines(&self) -> &[String] {
         &self.engines_silent
     }
@@ -165,7 +165,7 @@ impl RunComparison {
             lines.push(line(
                 Severity::Bad,
                 format!(
-                    "{engines} answered less than half of the pairs of the run after: next to nothing was compared."
+                    "{engines} answered less than half of the pairs of the run after, and not so before: little was compared."
                 ),
             ));
         }
@@ -350,17 +350,17 @@ fn differences(before: &Map<String, Value>, after: &Map<String, Value>) -> Vec<S
     names.into_iter().filter(|name| before.get(*name) != after.get(*name)).map(change).collect()
 }
 
-/// What users of each engine see, under each setting that both runs have.
 /// As [`RunComparison::engines_silent`].
 fn silent_engines([before, after]: [&CampaignRun; 2]) -> Vec<String> {
     let in_both = after.run.external_engines.keys().filter(|engine| before.run.external_engines.contains_key(*engine));
-    let is_silent = |engine: &&String| {
-        let counts = after.of_engine(engine);
+    let is_silent = |run: &CampaignRun, engine: &str| {
+        let counts = run.of_engine(engine);
         counts.pairs - counts.silent < counts.silent
     };
-    in_both.filter(is_silent).cloned().collect()
+    in_both.filter(|engine| is_silent(after, engine) && !is_silent(before, engine)).cloned().collect()
 }
 
+/// What users of each engine see, under each setting that both runs have.
 fn shares(runs: [&CampaignRun; 2]) -> Vec<ShareChange> {
     let sums = runs.map(|run| {
         let whole = run.by_setting().into_iter().filter(|(key, _)| run.is_of_users(key) && run.shows(&key.tolerances));

@@ -47,7 +47,9 @@ pub struct Standstill {
     pub blocks: usize,
     /// The block that is furthest behind.
     pub worst: usize,
-    /// Its mean speed along the axis (m/s).
+    /// Along which axis, `x`, `y` or `z`; along the others it may have moved.
+    pub axis: char,
+    /// Its mean speed along that axis (m/s).
     pub speed: f64,
     /// The first step in which it stood still.
     pub since: i64,
@@ -117,7 +119,8 @@ impl<R: Real> StandstillWatch<R> {
         self.blocks[block] = true;
         if self.worst.is_none_or(|worst| way.abs() > worst.missing) {
             let speed = way.abs() / time;
-            self.worst = Some(Standstill { blocks: 0, worst: block, speed, since, missing: way.abs() });
+            let axis = ['x', 'y', 'z'][axis];
+            self.worst = Some(Standstill { blocks: 0, worst: block, axis, speed, since, missing: way.abs() });
         }
     }
 
@@ -136,13 +139,13 @@ fn places<R: Real>(state: &State<R>) -> Vec<([R; 12], Vec<[R; 3]>)> {
 impl Standstill {
     /// The same in words, with the numbers that the run calculated in.
     pub fn sentence(&self, precision: &str) -> String {
-        let Standstill { blocks, worst, speed, since, missing } = self;
+        let Standstill { blocks, worst, axis, speed, since, missing } = self;
         let others = match blocks {
             1 => String::new(),
             _ => format!(" ({blocks} blocks did so)"),
         };
         format!(
-            "block {worst} stood still from {} on at a speed of {} m/s, and is {} m behind: {precision} has no numbers for such short steps there{others}",
+            "block {worst} stood still along {axis} from {} on at a speed of {} m/s, and is {} m behind: {precision} has no numbers for such short steps there{others}",
             step_in_words(*since),
             in_four_digits(*speed),
             in_four_digits(*missing)
