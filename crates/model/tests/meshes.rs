@@ -503,6 +503,7 @@ fn broken_ply_says_where() {
         ),
         (with("1 0 0 255", "1 0,0 0 255"), &["mesh:16: found \"0,0\" where coordinate y of vertex 1, a number as"]),
         (with("1 0 0 255", "NaN 0 0 255"), &["mesh:16: coordinate x of vertex 1: NaN is not a finite number"]),
+        (with("1 0 0 255", "1 1e400 0 255"), &["mesh:16: coordinate y of vertex 1: 1e400 is not a finite number"]),
         (with("1 0 0 255", "1 0"), &["mesh:16: found the end of the line where coordinate z of vertex 1"]),
         (
             with("1 0 0 255", "1 0 0 256"),

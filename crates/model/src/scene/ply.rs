@@ -128,7 +128,8 @@ pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlo
         }
     }
     check_end(reader.get_ref(), is_text.then(|| reader.line()))?;
-    let points = points(&vertices)?;
+    let texts = header.elements.get("vertex").filter(|_| is_text).map(|element| (element, bytes));
+    let points = points(&vertices, texts)?;
     let mut faces = polygons(&faces, points.len())?;
     let mut used = vec![false; points.len()];
     faces.iter().flat_map(|face| &face.vertices).for_each(|&vertex| used[vertex as usize] = true);
@@ -180,12 +181,23 @@ fn check_element(element: &ElementDef, bytes: usize) -> Result<(), Located> {
     Ok(())
 }
 
-fn points(vertices: &Rows) -> Result<Vec<Point>, Located> {
+/// The points of the vertices; of a file of text with what the header says of them and the bytes, where what stands there is found.
+fn points(vertices: &Rows, texts: Option<(&ElementDef, &[u8])>) -> Result<Vec<Point>, Located> {
     let point = |(number, row): (usize, &Row)| {
+        let written = |axis: usize| {
+            let ((element, bytes), line) = (texts?, vertices.line(number)?);
+            let place = element.properties.keys().position(|name| name == AXES[axis])?;
+            let is_scalar = |property: &PropertyDef| matches!(property.data_type, PropertyType::Scalar(_));
+            // Behind a list nobody knows which word it is without its length.
+            let is_known = element.properties.values().take(place).all(is_scalar);
+            let line = std::str::from_utf8(line_of(bytes, line)?).ok()?;
+            line.split_ascii_whitespace().nth(place).filter(|_| is_known)
+        };
         let coordinate = |axis: usize| {
             Number::from_f64(row.at[axis]).map_err(|error| {
                 let what = format!("coordinate {} of vertex {number}", AXES[axis]);
-                (vertices.line(number), SceneProblem::Number { what, error })
+                let found = written(axis).map(|word| NumberError::NotFinite { found: shown(word) });
+                (vertices.line(number), SceneProblem::Number { what, error: found.unwrap_or(error) })
             })
         };
         Ok(Vec3::new(coordinate(0)?, coordinate(1)?, coordinate(2)?))
