@@ -157,7 +157,9 @@ fn dicts<'py>(py: Python<'py>, table: &Table) -> PyResult<Vec<Bound<'py, PyDict>
                 TableCell::Empty => dict.set_item(name, py.None())?,
                 TableCell::Text(text) | TableCell::Scope(text) => dict.set_item(name, text)?,
                 TableCell::Count(count) => dict.set_item(name, count)?,
-                TableCell::Share(number) | TableCell::Number(number) | TableCell::Setting(number) => dict.set_item(name, number)?,
+                TableCell::Share(number) | TableCell::Number(number) | TableCell::Setting(number) => {
+                    dict.set_item(name, number)?
+                }
             }
         }
         Ok(dict)
