@@ -116,8 +116,9 @@ impl<'s> EnergyInput<'s> {
     /// The work of all loads in a step (J): that of the force at its end, which is what steps take.
     pub fn work<R: Real>(&self, before: &[Point], state: &State<R>) -> f64 {
         let after = self.load_points(state);
+        let now = Number::from_f64(state.time.to_f64()).unwrap_or(Number::ZERO);
         let of_load = |(load, (from, to)): (&PointLoad, (&Point, &Point))| -> f64 {
-            let force = force_at(load, state.time.to_f64());
+            let force = load.force_at(&now);
             (0..3).map(|k| force[k] * (to[k] - from[k])).sum()
         };
         self.loads.iter().zip(before.iter().zip(&after)).map(of_load).sum()
@@ -145,22 +146,6 @@ fn vertex_masses(topology: &Topology, points: &[Point], density: f64) -> Vec<f64
         }
     }
     masses
-}
-
-/// The force of a load at a time (N): linear between the times of its table, constant outside.
-fn force_at(load: &PointLoad, now: f64) -> Point {
-    let row = |number: usize| {
-        let (time, force) = &load.table[number];
-        (time.approximate(), force.components().map(Number::approximate))
-    };
-    match load.table.partition_point(|(time, _)| time.approximate() <= now) {
-        0 => row(0).1,
-        next if next == load.table.len() => row(next - 1).1,
-        next => {
-            let ((before, from), (then, to)) = (row(next - 1), row(next));
-            std::array::from_fn(|k| from[k] + (to[k] - from[k]) * ((now - before) / (then - before)))
-        }
-    }
 }
 
 impl EnergyGain {
@@ -260,7 +245,8 @@ mod tests {
         let force = |x: i32| Vec3::new(x, 0, 0).map(|&c| number(c));
         let table = vec![(number(1), force(0)), (number(3), force(8)), (number(4), force(2))];
         let load = PointLoad { block: 0, at: force(0), table };
-        let forces = [0.0, 1.0, 2.5, 3.0, 3.5, 9.0].map(|now| force_at(&load, now)[0]);
+        let forces =
+            [0.0, 1.0, 2.5, 3.0, 3.5, 9.0].map(|now| load.force_at(&Number::from_f64(now).expect("a time"))[0]);
         assert_eq!(forces, [0.0, 0.0, 6.0, 8.0, 5.0, 2.0]);
     }
 }

@@ -159,8 +159,8 @@ impl PointLoad {
         self.force_at(&Number::ZERO)
     }
 
-    /// The force at a time (N), to the nearest f64.
-    pub(crate) fn force_at(&self, now: &Number) -> [f64; 3] {
+    /// The force at a time (N), to the nearest f64: linear between the times of its table, constant outside.
+    pub fn force_at(&self, now: &Number) -> [f64; 3] {
         let near = |force: &Vec3<Number>| force.components().map(Number::approximate);
         match self.table.partition_point(|(time, _)| time <= now) {
             0 => near(&self.table[0].1),
