@@ -3,7 +3,7 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rockproof_differential::hull::convex_hull;
-use rockproof_model::number::split_f64;
+use rockproof_model::number::{power_of_two, split_f64};
 use rockproof_model::{Block, BlockOptions, Number, Point};
 use std::collections::HashMap;
 
@@ -218,6 +218,30 @@ fn rebuilt(block: &Block, points: Vec<Point>) -> Option<Block> {
 
 /// The nearest multiple of 2^`exponent`, halves away from zero.
 pub(super) fn on_grid(number: &Number, exponent: i32) -> Number {
+    number.as_f64().and_then(|value| f64_on_grid(value, exponent)).unwrap_or_else(|| any_on_grid(number, exponent))
+}
+
+/// The same of an f64, in whole numbers of a register; `None` where the answer is beyond every f64.
+fn f64_on_grid(value: f64, exponent: i32) -> Option<Number> {
+    let (odd, own) = split_f64(value);
+    // Not positive where the value is on the grid as it is.
+    let dropped = exponent.saturating_sub(own);
+    let steps = match dropped {
+        ..=0 => return Number::from_f64(value).ok(),
+        // Below 2^53, so half of the lowest bit that is kept can be added, and of more bits nothing is left.
+        1..=62 => (odd.unsigned_abs() + (1 << (dropped - 1))) >> dropped,
+        _ => 0,
+    };
+    if steps == 0 {
+        return Some(Number::ZERO);
+    }
+    if exponent > 1023 {
+        return None;
+    }
+    Number::from_f64((steps as f64 * power_of_two(exponent)).copysign(value)).ok()
+}
+
+fn any_on_grid(number: &Number, exponent: i32) -> Number {
     let unit = power(exponent);
     let steps = (number.to_rational() / &unit).round();
     Number::from_rational(steps * unit)
@@ -259,6 +283,28 @@ mod tests {
 
     fn third() -> Number {
         Number::from_rational(BigRational::new(1.into(), 3.into()))
+    }
+
+    /// Grids finer and coarser than a value, halves, zeros, the ends of f64, and values that no f64 has.
+    #[test]
+    fn numbers_on_a_grid_are_those_that_fractions_find() {
+        let mut values = vec![0.0, -0.0, f64::MAX, -f64::MAX, f64::MIN_POSITIVE, f64::from_bits(1), f64::from_bits(3)];
+        for k in 1..40 {
+            let k = f64::from(k);
+            values.extend([k / 8.0, -k / 8.0, k.sqrt(), -k * 1e-9, (k * 0.37).exp2(), k * 1e300, k * 3e-310]);
+        }
+        for value in values {
+            let number = Number::from_f64(value).expect("finite");
+            let near = split_f64(value).1;
+            let grids = (-2..60).map(|above| near + above).chain([-1080, -1074, -40, -3, 0, 5, 1000, 1023, 1024]);
+            for exponent in grids {
+                let found = on_grid(&number, exponent);
+                let sought = any_on_grid(&number, exponent);
+                assert_eq!(found, sought, "{value:e} on a grid of 2^{exponent}");
+                assert_eq!(found.as_f64().map(f64::to_bits), sought.as_f64().map(f64::to_bits));
+            }
+        }
+        assert_eq!(on_grid(&third(), -1), Number::from_f64(0.5).expect("finite"));
     }
 
     /// How often it was asked now and again in one round in which every finding is gone but that of the blocks as they are.
