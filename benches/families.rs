@@ -2,8 +2,8 @@
 #![allow(missing_docs)] // criterion's macros make public items
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use rockproof_campaign::families;
-use rockproof_campaign::pairs::{BATCH, PairConfig, batch};
+use rockproof_pairs::batch::{BATCH, PairConfig, batch};
+use rockproof_pairs::families;
 use std::hint::black_box;
 use std::time::Duration;
 

@@ -9,12 +9,12 @@
 //! difficulty; where a family has no more of one within [`MAX_BATCHES`], the others have more.
 
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_campaign::pairs::PairCase;
 use rockproof_campaign::source;
 use rockproof_differential::collision::separation::Separation;
 use rockproof_model::{Block, BlockOptions, Contact, Number, ToleranceSet, ToleranceSpec};
 use rockproof_oracle::penetration::penetration;
 use rockproof_oracle::{Pair, PreparedBlock};
+use rockproof_pairs::batch::PairCase;
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::{Classifier, Stepper};
 use serde_json::{Value, json};

@@ -3,14 +3,14 @@
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
-use rockproof_campaign::pairs::{self, PairConfig};
-use rockproof_campaign::tolerance_sets::SetSource;
 use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin;
 use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_differential::subject::Subject;
 use rockproof_model::Precision;
 use rockproof_oracle::penetration::penetration;
+use rockproof_pairs::batch::{self, PairConfig};
+use rockproof_pairs::tolerance_sets::SetSource;
 
 /// Pairs for every set.
 pub(crate) const PAIRS: u64 = 1024;
@@ -84,9 +84,9 @@ pub(crate) fn measure(count: u64) -> Result<Vec<Row>, Box<dyn std::error::Error>
     let panel: EnginePanel = builtin::panel(&names, 0)?;
     // Ordinary pairs: as generated, or moved at random; perturbed off their ties as often as in a campaign.
     let config = PairConfig { directed_percent: 0, ladder_percent: 0, ..PairConfig::default() };
-    let cases: Vec<pairs::PairCase> = (0..count.div_ceil(pairs::BATCH))
+    let cases: Vec<batch::PairCase> = (0..count.div_ceil(batch::BATCH))
         .into_par_iter()
-        .flat_map_iter(|batch| pairs::batch(SEED, batch, &config))
+        .flat_map_iter(|batch| batch::batch(SEED, batch, &config))
         .collect();
     let depths: Vec<Option<f64>> =
         cases.par_iter().map(|case| penetration(&case.a, &case.b).and_then(|found| found.depth_m())).collect();
@@ -135,7 +135,7 @@ impl Row {
 
 /// One pair under one set.
 fn count_differences(
-    case: &pairs::PairCase,
+    case: &batch::PairCase,
     depth: Option<f64>,
     source: &SetSource,
     panel: &EnginePanel,
@@ -145,7 +145,7 @@ fn count_differences(
     let prepared = [rockproof_oracle::PreparedBlock::new(&case.a), rockproof_oracle::PreparedBlock::new(&case.b)];
     let contacts = rockproof_oracle::Pair::new(&prepared[0], &prepared[1]).classify(&set.f64).contacts.len() as u64;
     let allowed = set.f64.penetration.approximate();
-    let subject = Subject::from(pairs::PairCase { sets: vec![set], ..case.clone() });
+    let subject = Subject::from(batch::PairCase { sets: vec![set], ..case.clone() });
     let findings = examine_pair(&subject, panel).findings;
     let differs = |engine: &str, precision: Precision| {
         findings.iter().any(|finding| match &finding.scope {

@@ -6,9 +6,6 @@
 
 use rayon::prelude::*;
 use rockproof_campaign::config::CampaignConfig;
-use rockproof_campaign::directed::FACE_CHOICES;
-use rockproof_campaign::families;
-use rockproof_campaign::pairs::{PairCase, PairForm};
 use rockproof_campaign::source::{self, FamilySource};
 use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::builtin;
@@ -17,6 +14,9 @@ use rockproof_differential::subject::PairSource;
 use rockproof_model::decision::Predicate;
 use rockproof_model::{ContactKind, Precision, Sign};
 use rockproof_oracle::{Pair, PreparedBlock};
+use rockproof_pairs::batch::{PairCase, PairForm};
+use rockproof_pairs::directed::FACE_CHOICES;
+use rockproof_pairs::families;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Batches of the slice, small and at full size: fourteen families take turns.

@@ -4,8 +4,8 @@ use crate::engines::built_example;
 use crate::place::Place;
 #[cfg(unix)]
 use crate::processes::{signal, until};
-use rockproof_campaign::pairs::PairConfig;
 use rockproof_model::Contact;
+use rockproof_pairs::batch::PairConfig;
 use rockproof_results::Start;
 use rockproof_stepper::engine::EngineError;
 use rockproof_validation::self_comparison::paths::{BuiltIn, Paths, Question};

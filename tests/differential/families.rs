@@ -6,13 +6,13 @@ mod margin;
 use margin::{margin, points};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rockproof_campaign::directed::{FACE_CHOICES, MOVED, Rung};
-use rockproof_campaign::families::{self, Family};
-use rockproof_campaign::ladder::TOLERANCES;
-use rockproof_campaign::pairs::{BATCH, PairCase, PairConfig, PairForm, SetSource, batch};
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, BlockOptions, ContactKind, Criteria, Number, Precision, Sign};
 use rockproof_oracle::{Pair, PreparedBlock};
+use rockproof_pairs::batch::{BATCH, PairCase, PairConfig, PairForm, SetSource, batch};
+use rockproof_pairs::directed::{FACE_CHOICES, MOVED, Rung};
+use rockproof_pairs::families::{self, Family};
+use rockproof_pairs::ladder::TOLERANCES;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -4,9 +4,7 @@
 use crate::step_mistakes::{Mistake, Mistaken, PLANTING, plant};
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::source::{self, FamilySource};
-use rockproof_campaign::steps::{
-    PASSAGE, StepChange, StepEngine, StepFinding, StepperStepEngine, case, examine_all, passing,
-};
+use rockproof_campaign::steps::{StepChange, StepEngine, StepFinding, StepperStepEngine, case, examine_all};
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::intrusion::CausedIntrusion;
 use rockproof_differential::lockstep::run::KEPT_PRECISION;
@@ -16,6 +14,7 @@ use rockproof_differential::subject::{NamedSet, PairSource, Subject};
 use rockproof_model::scene::SceneBlock;
 use rockproof_model::{Block, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage};
+use rockproof_pairs::passing::{self, PASSAGE};
 use rockproof_stepper::contact::SpecRules;
 use std::collections::BTreeMap;
 

@@ -18,7 +18,7 @@ const REASON: &str = "// Longer than 400 lines: ";
 
 /// The crates of the workspace and those of its own that each may depend on. Cargo refuses every import that is not listed in a
 /// manifest; this table says which manifests are right. The rule above all others: oracle and stepper do not know each other.
-const MAY_DEPEND_ON: [(&str, &[&str]); 22] = [
+const MAY_DEPEND_ON: [(&str, &[&str]); 24] = [
     ("model", &[]),
     // Solves as a library does; nothing that it finds is claimed by the oracle.
     ("cholesky", &[]),
@@ -27,21 +27,23 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 22] = [
     ("results", &[]),
     ("simulate", &["model", "stepper", "results"]),
     ("differential", &["model", "oracle", "stepper", "simulate", "results"]),
-    ("campaign", &["model", "oracle", "stepper", "simulate", "differential", "results"]),
-    ("gate", &["model", "differential", "campaign"]),
-    ("tune", &["model", "oracle", "stepper", "differential", "campaign", "results"]),
-    ("bench", &["model", "oracle", "stepper", "differential", "campaign", "results"]),
-    ("report", &["model", "oracle", "simulate", "differential", "campaign", "gate", "results"]),
+    ("pairs", &["model", "differential"]),
+    ("campaign", &["model", "oracle", "stepper", "simulate", "differential", "pairs", "results"]),
+    ("gate", &["model", "differential", "pairs", "campaign"]),
+    ("tune", &["model", "oracle", "stepper", "differential", "pairs", "campaign", "results"]),
+    ("bench", &["model", "oracle", "stepper", "differential", "pairs", "campaign", "results"]),
+    ("report", &["model", "oracle", "simulate", "differential", "pairs", "campaign", "gate", "results"]),
     ("examine", &["model", "oracle", "stepper", "simulate", "differential", "tune", "report", "results"]),
     // Tests and benches alone.
     ("benches", &[]),
     ("campaign-tests", &[]),
     ("differential-tests", &[]),
     ("model-tests", &[]),
+    ("pairs-tests", &[]),
     ("oracle-tests", &[]),
     ("stepper-tests", &[]),
     // The stepper against closed forms, and the exact side against itself. Nothing depends on it but fuzz targets, tests and examples.
-    ("validation", &["model", "oracle", "stepper", "results", "simulate", "differential", "campaign", "bench"]),
+    ("validation", &["model", "oracle", "stepper", "results", "simulate", "differential", "pairs", "campaign", "bench"]),
     // Nothing depends on it but tests and examples.
     (
         "fuzz",
@@ -52,6 +54,7 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 22] = [
             "results",
             "simulate",
             "differential",
+            "pairs",
             "campaign",
             "tune",
             "gate",
@@ -68,6 +71,7 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 22] = [
             "results",
             "simulate",
             "differential",
+            "pairs",
             "campaign",
             "gate",
             "tune",
@@ -79,13 +83,14 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 22] = [
 ];
 
 /// Crates that only tests need, or that hold tests or benches alone.
-const NOT_PUBLISHED: [&str; 8] = [
+const NOT_PUBLISHED: [&str; 9] = [
     "fuzz",
     "validation",
     "benches",
     "campaign-tests",
     "differential-tests",
     "model-tests",
+    "pairs-tests",
     "oracle-tests",
     "stepper-tests",
 ];

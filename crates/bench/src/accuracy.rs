@@ -4,13 +4,13 @@
 use super::closed_forms::{SCENES, SETS, TIME_STEPS};
 use crate::plot::{Legend, Marks, Plot, PlotAxis, PlotError, Series};
 use num_rational::BigRational;
-use rockproof_campaign::families::{self, Family};
-use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::source::{SourceError, set_source};
 use rockproof_differential::row::written;
 use rockproof_differential::{builtin, engine};
 use rockproof_model::{Block, Contact, Precision, SceneError, SpecError, ToleranceSet};
 use rockproof_oracle::{self, Pair, plain};
+use rockproof_pairs::batch::{self, PairConfig};
+use rockproof_pairs::families::{self, Family};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -206,8 +206,8 @@ fn family(
         ladder_percent: 0,
         ..PairConfig::default()
     };
-    let cases: Vec<pairs::PairCase> =
-        (0..).flat_map(|batch| pairs::batch(effort.seed, batch, &config)).take(effort.pairs).collect();
+    let cases: Vec<batch::PairCase> =
+        (0..).flat_map(|batch| batch::batch(effort.seed, batch, &config)).take(effort.pairs).collect();
     let mut sums: BTreeMap<MeasuredEngine, (u64, u64, f64)> = BTreeMap::new();
     for (number, case) in cases.iter().enumerate() {
         let Some(set) = case.sets.first() else { continue };
@@ -401,7 +401,7 @@ mod tests {
     #[test]
     fn plain_rationals_say_what_the_fast_path_says() {
         let config = PairConfig { sets: vec![set_source("auto").expect("auto")], ..PairConfig::default() };
-        for case in pairs::batch(9, 3, &config) {
+        for case in batch::batch(9, 3, &config) {
             let set = &case.sets[0].f64;
             let plainly = plain::classify::<BigRational>(&case.a, &case.b, set);
             let plainly: Vec<Contact> = plainly.into_iter().map(|found| found.contact).collect();

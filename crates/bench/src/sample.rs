@@ -1,11 +1,11 @@
 //! The pairs that are timed.
 
-use rockproof_campaign::generic::Generic;
-use rockproof_campaign::pairs::{self, PairCase, PairConfig, PairForm};
 use rockproof_campaign::source::{self, SourceError};
 use rockproof_differential::subject::NamedSet;
 use rockproof_model::{Block, ToleranceSet};
 use rockproof_oracle::{self, LevelCounts, Pair};
+use rockproof_pairs::batch::{self, PairCase, PairConfig, PairForm};
+use rockproof_pairs::generic::Generic;
 use rockproof_stepper::contact::{ClassificationRequest, NearbyFeatures, PreparedBlock, Tolerances};
 use rockproof_stepper::dynamics::skin;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ impl SampleKind {
     /// # Errors
     /// When a default set does not exist.
     pub fn config(self) -> Result<PairConfig, SourceError> {
-        let sets = rockproof_campaign::tolerance_sets::NAMES
+        let sets = rockproof_pairs::tolerance_sets::NAMES
             .into_iter()
             .map(source::set_source)
             .collect::<Result<Vec<_>, _>>()?;
@@ -132,7 +132,7 @@ impl Sample {
     /// As [`SampleKind::config`].
     pub fn new(kind: SampleKind, seed: u64, count: usize) -> Result<Sample, SourceError> {
         let config = kind.config()?;
-        let cases = (0..).flat_map(|number| pairs::batch(seed, number, &config));
+        let cases = (0..).flat_map(|number| batch::batch(seed, number, &config));
         let ready: Vec<PreparedPair> =
             cases.filter(|case| kind.takes(&case.form)).filter_map(PreparedPair::new).take(count).collect();
         let mut sample =

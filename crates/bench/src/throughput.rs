@@ -4,13 +4,13 @@
 use crate::sample::SampleKind;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::journal::Journal;
-use rockproof_campaign::pairs::{self, PairConfig};
 use rockproof_campaign::run::{Campaign, RunError};
 use rockproof_campaign::source::SourceError;
 use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin::{self, ENGINES};
 use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::{PairSource, Subject};
+use rockproof_pairs::batch::{self, PairConfig};
 use rockproof_results::{Owner, ResultsError, Start};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -87,11 +87,11 @@ struct CleanPairs {
 
 impl PairSource for CleanPairs {
     fn batch_len(&self) -> u64 {
-        pairs::BATCH
+        batch::BATCH
     }
 
     fn batch(&self, number: u64) -> Vec<Subject> {
-        let cases = pairs::batch(self.seed, number, &self.config);
+        let cases = batch::batch(self.seed, number, &self.config);
         cases.into_iter().filter(|case| !self.left_out.contains(&case.index)).map(Subject::from).collect()
     }
 }

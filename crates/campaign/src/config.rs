@@ -1,9 +1,9 @@
 //! What a campaign is asked to do.
 
-use super::tolerance_grid::ToleranceGrid;
 use rockproof_differential::builtin;
 use rockproof_differential::external::EngineSpec;
 use rockproof_model::Number;
+use rockproof_pairs::tolerance_grid::ToleranceGrid;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::PathBuf;

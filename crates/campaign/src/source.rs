@@ -1,16 +1,17 @@
 //! Where a campaign's pairs come from: the families, under the presets.
 
 use super::config::{CampaignConfig, LARGEST_CHUNK, SettingPlace};
-use super::families::{self, RealNeighbours};
-use super::pairs::{self, PairCase, PairConfig};
-use super::steps::{PASSAGE, motion, passing};
-use super::tolerance_grid::ToleranceGridError;
-use super::tolerance_sets::{self, SetSource};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{PairSource, Subject};
 use rockproof_model::files::read_limited;
 use rockproof_model::text::{EXCERPT_LENGTH, begins_a_formula, escaped, excerpt, is_harmful};
 use rockproof_model::{Block, LoadOptions, Number, Precision, Scene, SceneError, SpecError, ToleranceSpec, Vec3};
+use rockproof_pairs::batch::{self, PairCase, PairConfig};
+use rockproof_pairs::families::{self, RealNeighbours};
+use rockproof_pairs::passing::PASSAGE;
+use rockproof_pairs::tolerance_grid::ToleranceGridError;
+use rockproof_pairs::tolerance_sets::{self, SetSource};
+use rockproof_pairs::{motion, passing};
 use rockproof_results::digest;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -328,13 +329,13 @@ impl FamilySource {
         if self.pairs.families.is_empty() {
             return Vec::new();
         }
-        pairs::batch(self.seed, number, &self.pairs)
+        batch::batch(self.seed, number, &self.pairs)
     }
 }
 
 impl PairSource for FamilySource {
     fn batch_len(&self) -> u64 {
-        pairs::BATCH
+        batch::BATCH
     }
 
     fn batch(&self, number: u64) -> Vec<Subject> {
@@ -359,7 +360,7 @@ impl PairSource for FamilySource {
         }
         // Half as many as of another family, for each makes its step under more sets.
         let every = every * (2 * self.pairs.families.len() as u64).max(1);
-        let indices = number * pairs::BATCH..(number + 1) * pairs::BATCH;
+        let indices = number * batch::BATCH..(number + 1) * batch::BATCH;
         indices.filter_map(|index| passing::pair(self.seed, index, every, steps, &self.passages)).collect()
     }
 }

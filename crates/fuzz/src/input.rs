@@ -4,8 +4,6 @@
 use arbitrary::{Result, Unstructured};
 use num_rational::BigRational;
 use num_traits::Signed;
-use rockproof_campaign::shapes::catalogue;
-use rockproof_campaign::shapes::rotation::cube_turn;
 use rockproof_differential::hull::convex_hull;
 use rockproof_model::block::face_normal;
 use rockproof_model::simulation::{Kinematics, Unconverged};
@@ -14,6 +12,8 @@ use rockproof_model::{
     Block, BlockOptions, Body, Criteria, FaceId, Motion, Number, Point, Precision, Scene, SceneBlock, Simulation,
     ToleranceSet, ToleranceSpec, Vec3, VertexId,
 };
+use rockproof_pairs::shapes::catalogue;
+use rockproof_pairs::shapes::rotation::cube_turn;
 
 /// Grid lines a metre.
 const GRID: i64 = 8;

@@ -4,7 +4,7 @@ use super::config::{FindingLimit, GateConfig, line_of};
 use super::possible_findings;
 use super::tally::CampaignTally;
 use rockproof_campaign::source::FamilySource;
-use rockproof_campaign::steps::{self, PASSAGE, StepChange};
+use rockproof_campaign::steps::{self, StepChange};
 use rockproof_differential::agreement::EngineAnswers;
 use rockproof_differential::answer_detail::{AnswerDetail, Unsaid};
 use rockproof_differential::builtin;
@@ -14,6 +14,7 @@ use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCause;
 use rockproof_model::Precision;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt, noun};
+use rockproof_pairs::passing::PASSAGE;
 
 /// That the campaign of a gate can find something of each limit, as far as that is known beforehand; `file` is the gate file.
 ///

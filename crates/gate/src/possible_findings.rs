@@ -2,10 +2,11 @@
 //! would hold whatever is found.
 
 use super::config::{FindingLimit, RECOVERED};
-use rockproof_campaign::steps::{PASSAGE, StepChange};
+use rockproof_campaign::steps::StepChange;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::{DriftQuantity, Intrusion, StepAnswerChange, StepCause};
+use rockproof_pairs::passing::PASSAGE;
 
 /// Changes by what they say.
 #[derive(Clone, Copy, PartialEq, Eq)]

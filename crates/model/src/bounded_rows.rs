@@ -11,6 +11,12 @@ pub const LONGEST_ROW: usize = 16 << 20;
 #[derive(Debug)]
 pub struct BoundedRows<R> {
     inner: R,
+    rows: Rows,
+}
+
+/// Where in a table its reader is: apart from the reader, so that bytes are looked at by code compiled here, once.
+#[derive(Debug)]
+struct Rows {
     longest: usize,
     /// Bytes read of this row.
     length: usize,
@@ -48,7 +54,22 @@ impl<R: Read> BoundedRows<R> {
     /// The same with another limit, in bytes.
     pub fn at_most(inner: R, longest: usize) -> BoundedRows<R> {
         let place = Place::Begin;
-        BoundedRows { inner, longest, length: 0, line: 1, begin: 1, place, after_return: false, mark: Some(0) }
+        let rows = Rows { longest, length: 0, line: 1, begin: 1, place, after_return: false, mark: Some(0) };
+        BoundedRows { inner, rows }
+    }
+}
+
+impl Rows {
+    /// Moves the bytes that are passed on to the front, and returns how many they are.
+    fn pass_on(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let mut kept = 0;
+        for at in 0..bytes.len() {
+            if let Some(byte) = self.passed(bytes[at])? {
+                bytes[kept] = byte;
+                kept += 1;
+            }
+        }
+        Ok(kept)
     }
 
     /// What becomes of a byte; nothing of the `\n` of a `\r\n` between rows, whose `\r` has become one.
@@ -95,13 +116,7 @@ impl<R: Read> Read for BoundedRows<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
             let count = self.inner.read(buffer)?;
-            let mut kept = 0;
-            for at in 0..count {
-                if let Some(byte) = self.passed(buffer[at])? {
-                    buffer[kept] = byte;
-                    kept += 1;
-                }
-            }
+            let kept = self.rows.pass_on(&mut buffer[..count])?;
             // No byte would mean the end.
             if kept > 0 || count == 0 {
                 return Ok(kept);

@@ -2,8 +2,8 @@
 
 use super::load::RunFile;
 use rockproof_campaign::merge::Parts;
-use rockproof_campaign::pairs::BATCH;
 use rockproof_campaign::part::Part;
+use rockproof_pairs::batch::BATCH;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::iter;

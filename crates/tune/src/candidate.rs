@@ -1,8 +1,8 @@
 //! Tolerance sets as a few small numbers, so that they can be drawn and changed.
 
-use rockproof_campaign::families::PairSampler;
 use rockproof_model::preset::{self, Preset, sine_of_degrees};
 use rockproof_model::{Block, Criteria, Number, Precision, PresetError, ToleranceSet};
+use rockproof_pairs::families::PairSampler;
 use serde::{Deserialize, Serialize};
 
 /// The lengths of a model that tolerance sets are made of (m).
@@ -288,7 +288,7 @@ mod tests {
             (model.shortest_edge, model.half_side) == (1.0, 1.5) && (model.radius - 14f64.sqrt() / 2.0).abs() < 1e-4
         );
         let mut rng = ChaCha8Rng::from_seed([3; 32]);
-        let mut sampler = PairSampler::with_style(&mut rng, rockproof_campaign::families::CoordinateStyle::Grid);
+        let mut sampler = PairSampler::with_style(&mut rng, rockproof_pairs::families::CoordinateStyle::Grid);
         for _ in 0..200 {
             let parameters = SetParameters::random(&mut sampler).mutated(&mut sampler);
             let broken = tolerance_rules::check(&parameters.set(&model), &[&block], Precision::F64);

@@ -74,12 +74,12 @@ impl PairChecker {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockproof_campaign::families::{Family, RealNeighbours};
     use rockproof_differential::attribution::examine_pair;
     use rockproof_differential::builtin;
     use rockproof_differential::finding::Cause;
     use rockproof_differential::subject::{NamedSet, Subject};
     use rockproof_model::preset::{Preset, derive};
+    use rockproof_pairs::families::{Family, RealNeighbours};
 
     #[test]
     fn a_look_counts_what_an_examination_finds() {

@@ -6,11 +6,11 @@ use super::pair_check::{CheckedSet, PairCheck, PairChecker};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
-use rockproof_campaign::directed::Rung;
-use rockproof_campaign::families::{CoordinateStyle, Family, PairSampler, RealNeighbours};
-use rockproof_campaign::pairs::{self, PairConfig, PairForm, SetSource};
 use rockproof_differential::engine::Engine;
 use rockproof_model::{Block, Precision, Scene, ToleranceSet};
+use rockproof_pairs::batch::{self, PairConfig, PairForm, SetSource};
+use rockproof_pairs::directed::Rung;
+use rockproof_pairs::families::{CoordinateStyle, Family, PairSampler, RealNeighbours};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -118,7 +118,7 @@ impl Probes {
             perturbed_percent: 0,
         };
         let perturbed = (0..BATCHES).into_par_iter().flat_map_iter(|batch| {
-            pairs::batch(self.seed, batch, &config).into_iter().map(|case| {
+            batch::batch(self.seed, batch, &config).into_iter().map(|case| {
                 let PairCheck { differs, changed } =
                     PairChecker::new(&case.a, &case.b, self.precision).check(&sets, engine);
                 let none = Differences { changed, ..Differences::default() };

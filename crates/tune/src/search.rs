@@ -5,9 +5,9 @@ use super::candidate::{ModelLengths, SetParameters};
 use super::evaluator::{Evaluator, Measurement};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rockproof_campaign::families::{CoordinateStyle, PairSampler};
 use rockproof_model::tolerance_rules::Rule;
 use rockproof_model::{Preset, ToleranceSet, ToleranceSpec};
+use rockproof_pairs::families::{CoordinateStyle, PairSampler};
 use serde::{Deserialize, Serialize};
 
 /// Draws before a candidate is taken although it breaks a rule or was there before.

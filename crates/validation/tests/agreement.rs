@@ -5,8 +5,8 @@
 //! `examples/self_comparison`; that it finds a mistaken path is held by `crates/validation/tests/self_comparison.rs`.
 
 use rayon::prelude::*;
-use rockproof_campaign::pairs::PairConfig;
 use rockproof_differential::engine::Levels;
+use rockproof_pairs::batch::PairConfig;
 use rockproof_validation::self_comparison::compare::{OtherPaths, compare_batch};
 use rockproof_validation::self_comparison::paths::{self, Paths};
 use rockproof_validation::self_comparison::tally::{Tally, Totals};

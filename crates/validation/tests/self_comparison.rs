@@ -1,12 +1,12 @@
 //! The comparison of the exact side with itself finds a mistake planted in any path, keeps what it counted whatever interrupts it, and adds up parts to the
 //! whole; what does not belong together is refused by name.
 
-use rockproof_campaign::pairs::{BATCH, PairConfig};
 use rockproof_campaign::part::Part;
 use rockproof_campaign::run::Ending;
 use rockproof_differential::case_file::Case;
 use rockproof_model::{Contact, ContactKey, Sign};
 use rockproof_oracle::LevelCounts;
+use rockproof_pairs::batch::{BATCH, PairConfig};
 use rockproof_results::Start;
 use rockproof_stepper::engine::EngineError;
 use rockproof_validation::self_comparison::compare::{OtherPaths, compare};

@@ -1,13 +1,13 @@
-//! The margins of `rockproof_campaign::directed`, evaluated in plain fractions straight from SPEC section 4.
+//! The margins of `rockproof_pairs::directed`, evaluated in plain fractions straight from SPEC section 4.
 
 // Longer than 400 lines: every margin evaluated a second time, to be read beside SPEC section 4 as a whole.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use rockproof_campaign::pairs::{PairCase, PairForm};
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::{Block, Criteria, EdgeId, FaceId, Sign, ToleranceSet, VertexId};
+use rockproof_pairs::batch::{PairCase, PairForm};
 
 pub(crate) type Q = BigRational;
 pub(crate) type V = [Q; 3];

@@ -6,14 +6,10 @@ pub mod case;
 pub mod engine;
 pub mod examine;
 pub mod finding;
-pub mod motion;
-pub mod passing;
 pub mod shrink;
 pub mod summary;
 
 pub use engine::{ComparedPairStep, StepEngine, StepperStepEngine, engines};
 pub use examine::{StepExamination, examine, examine_all};
 pub use finding::{STEP_FINDING_COLUMNS, StepChange, StepFinding, StepFindingRow};
-pub use motion::MotionStyle;
-pub use passing::PASSAGE;
 pub use summary::{STEP_SUMMARY_COLUMNS, StepSummary, StepSummaryRow};

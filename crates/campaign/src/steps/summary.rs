@@ -4,7 +4,6 @@
 
 use super::engine::ComparedPairStep;
 use super::finding::{StepChange, StepFinding};
-use crate::tolerance_sets;
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::answer::StepAnswerChange;
 use rockproof_differential::lockstep::intrusion::Intrusions;
@@ -12,6 +11,7 @@ use rockproof_differential::lockstep::table::CAUSES;
 use rockproof_differential::lockstep::{Intrusion, StepCause};
 use rockproof_differential::row::{exponential, finite, named, written};
 use rockproof_differential::subject::{NamedSet, Subject};
+use rockproof_pairs::tolerance_sets;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

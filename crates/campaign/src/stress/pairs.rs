@@ -5,16 +5,16 @@
 //! those a modeller's file was rounded from.
 
 use super::axis::{CellKey, PairAlignment, StressAxis, StressLevel};
-use crate::families::edge_cross::{crossing_ridges, keel, ridge};
-use crate::families::{self, CoordinateStyle, Family, PairSampler};
-use crate::generic::Generic;
-use crate::shapes::{LatticeSolid, RationalRotation};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::number::power_of_two;
 use rockproof_model::preset::{self, Preset};
 use rockproof_model::{Block, Number, Point, Precision, Vec3};
+use rockproof_pairs::families::edge_cross::{crossing_ridges, keel, ridge};
+use rockproof_pairs::families::{self, CoordinateStyle, Family, PairSampler};
+use rockproof_pairs::generic::Generic;
+use rockproof_pairs::shapes::{LatticeSolid, RationalRotation};
 use std::sync::OnceLock;
 
 /// The next pair of a cell.

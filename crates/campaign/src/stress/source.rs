@@ -3,10 +3,10 @@
 use super::axis::{CellKey, cells};
 use super::pairs;
 use crate::source::{SourceError, set_sources};
-use crate::tolerance_sets::{self, SetSource};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rockproof_differential::subject::{PairSource, Subject};
+use rockproof_pairs::tolerance_sets::{self, SetSource};
 
 /// Pairs of one batch: of one cell.
 const BATCH: u64 = 16;

@@ -6,7 +6,7 @@ use crate::chart::{Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve
 use crate::load::{CampaignRun, setting};
 use crate::table::{Table, TableCell, label};
 use rockproof_campaign::steps::summary::{StepCounts, Sum};
-use rockproof_campaign::tolerance_grid::axes_of;
+use rockproof_pairs::tolerance_grid::axes_of;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The form of the pairs that are examined under every set.

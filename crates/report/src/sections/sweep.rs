@@ -6,8 +6,8 @@ use crate::chart::{Chart, ChartAxis, ChartColor, ChartContent, ChartPoint, Curve
 use crate::load::{CampaignRun, agreeing_share};
 use crate::table::{Table, TableCell, label};
 use rockproof_campaign::proportion::Proportion;
-use rockproof_campaign::tolerance_grid::axes_of;
 use rockproof_differential::agreement::{AgreementCounts, ChainSpan};
+use rockproof_pairs::tolerance_grid::axes_of;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A set of a grid, without the rungs of ladders: axis by axis.

@@ -3,9 +3,9 @@
 use super::disagreement::Disagreement;
 use super::paths::{PathName, Paths, Question};
 use super::tally::Tally;
-use rockproof_campaign::pairs::{PairCase, PairConfig, batch};
 use rockproof_differential::engine::{Levels, catch_panic};
 use rockproof_model::{Contact, Precision};
+use rockproof_pairs::batch::{PairCase, PairConfig, batch};
 
 /// Which paths are asked beside the fast one and the stepper in 512 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,12 +2,12 @@
 
 use super::compare::Deviation;
 use super::paths::{PathName, Question};
-use rockproof_campaign::pairs::PairCase;
 use rockproof_differential::case_file::{Case, CaseDescription, ContactRow, contact_rows};
 use rockproof_differential::compare::{AnswerChange, Features, differences};
 use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_model::Contact;
 use rockproof_model::text::{EXCERPT_LENGTH, csv_cell, excerpt};
+use rockproof_pairs::batch::PairCase;
 use rockproof_results::bounded;
 use serde::{Deserialize, Serialize};
 

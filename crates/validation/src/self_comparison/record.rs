@@ -5,9 +5,9 @@
 use super::compare::BatchResult;
 use super::disagreement::{DISAGREEMENT_COLUMNS, Disagreement};
 use super::tally::Totals;
-use rockproof_campaign::pairs::{BATCH, PairConfig, batch};
 use rockproof_campaign::part::Part;
 use rockproof_model::{Number, ToleranceSet, Vec3};
+use rockproof_pairs::batch::{BATCH, PairConfig, batch};
 use rockproof_results::{
     AppendedTable, Claim, Directory, FileKind, Owner, ResultsError, Seal, Start, digest, identity_differences,
 };

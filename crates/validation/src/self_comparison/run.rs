@@ -4,8 +4,8 @@ use super::compare::{BatchResult, OtherPaths, compare_batch};
 use super::paths::Paths;
 use super::record::{ComparisonPlan, ComparisonRecord, RecordError};
 use rayon::prelude::*;
-use rockproof_campaign::pairs::{BATCH, PairConfig};
 use rockproof_campaign::run::Ending;
+use rockproof_pairs::batch::{BATCH, PairConfig};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 

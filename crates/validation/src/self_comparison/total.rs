@@ -3,9 +3,9 @@
 use super::disagreement::{DISAGREEMENT_COLUMNS, DisagreementRow};
 use super::record::{ComparisonPlan, ComparisonProgress, GENERATOR, STATE, TABLE, VERSION};
 use super::tally::Totals;
-use rockproof_campaign::pairs::BATCH;
 use rockproof_differential::row::typed_rows;
 use rockproof_model::bounded_rows::BoundedRows;
+use rockproof_pairs::batch::BATCH;
 use rockproof_results::{Owner, ResultsError, View};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};

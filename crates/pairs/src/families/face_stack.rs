@@ -1,8 +1,8 @@
 //! A block on the top face of another.
 
 use super::{Drawn, PairSampler};
+use crate::families::MotionStyle;
 use crate::shapes::LatticeSolid;
-use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
 pub(super) const FACE_STACK: Drawn = Drawn {

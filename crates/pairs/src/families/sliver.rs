@@ -1,8 +1,8 @@
 //! Thin plates, needles and short edges.
 
 use super::{Drawn, PairSampler};
+use crate::families::MotionStyle;
 use crate::shapes::LatticeSolid;
-use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
 pub(super) const SLIVER: Drawn = Drawn {

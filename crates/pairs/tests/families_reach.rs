@@ -6,11 +6,11 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rockproof_campaign::families::{self, Family};
-use rockproof_campaign::pairs::{PairCase, PairConfig, PairForm, SetSource, batch};
 use rockproof_model::decision::{Decision, Feature, Predicate, Side};
 use rockproof_model::{Block, ContactKey, FaceId, Sign, VertexId};
 use rockproof_oracle::{Pair, PreparedBlock, TraceEntry};
+use rockproof_pairs::batch::{PairCase, PairConfig, PairForm, SetSource, batch};
+use rockproof_pairs::families::{self, Family};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// No, tie and yes.

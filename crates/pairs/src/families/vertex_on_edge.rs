@@ -2,7 +2,7 @@
 
 use super::edge_cross::ridge;
 use super::{Drawn, PairSampler};
-use crate::steps::MotionStyle;
+use crate::families::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
 pub(super) const VERTEX_ON_EDGE: Drawn = Drawn {

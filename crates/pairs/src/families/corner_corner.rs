@@ -1,8 +1,8 @@
 //! A corner of a block near a corner of another.
 
 use super::{Drawn, PairSampler};
+use crate::families::MotionStyle;
 use crate::shapes::LatticeSolid;
-use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
 pub(super) const CORNER_CORNER: Drawn = Drawn {

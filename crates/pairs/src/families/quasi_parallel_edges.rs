@@ -2,8 +2,8 @@
 
 use super::edge_cross::{crossing_ridges, keel, ridge};
 use super::{Drawn, PairSampler};
+use crate::families::MotionStyle;
 use crate::shapes::RationalRotation;
-use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
 pub(super) const QUASI_PARALLEL_EDGES: Drawn = Drawn {

@@ -2,7 +2,7 @@
 //! tolerance sets stay what they are.
 
 use crate::directed::f64_view::{F64Vector, times};
-use crate::families::{CoordinateStyle, PairSampler};
+use crate::families::{CoordinateStyle, MotionStyle, PairSampler};
 use crate::tolerance_sets::{binary_below, number, size};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -10,27 +10,13 @@ use rockproof_differential::motion::PairMotion;
 use rockproof_model::simulation::{Kinematics, Simulation, Unconverged};
 use rockproof_model::{Block, Body, Motion, Number, Vec3};
 
-/// What the motions of a family are mostly like.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum MotionStyle {
-    /// Anything: towards each other, apart, along, turning.
-    #[default]
-    Any,
-    /// Along the surface.
-    Sliding,
-    /// Towards each other.
-    Pressing,
-    /// Turning about a corner or an edge.
-    Turning,
-}
-
 /// The generator of one pair's motion: the seed is the key, the pair the stream.
 pub fn generator(seed: u64, index: u64) -> ChaCha8Rng {
     keyed(*b"rockproof steps, version 2......", seed, index)
 }
 
 /// A generator whose key is a name of 24 bytes and the seed, and whose stream is the pair.
-pub(super) fn keyed(mut key: [u8; 32], seed: u64, index: u64) -> ChaCha8Rng {
+pub(crate) fn keyed(mut key: [u8; 32], seed: u64, index: u64) -> ChaCha8Rng {
     key[24..].copy_from_slice(&seed.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(index);

@@ -2,8 +2,8 @@
 
 use super::edge_cross::{crossing, middle};
 use super::{Drawn, PairSampler};
+use crate::families::MotionStyle;
 use crate::shapes::LatticeSolid;
-use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
 pub(super) const SHARP_WEDGE: Drawn = Drawn {

@@ -1,7 +1,7 @@
 //! Blocks side by side with faces in one plane.
 
 use super::{Drawn, PairSampler};
-use crate::steps::MotionStyle;
+use crate::families::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
 pub(super) const COPLANAR_SLIDE: Drawn = Drawn {

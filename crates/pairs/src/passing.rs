@@ -8,7 +8,7 @@ use crate::perturbation;
 use crate::shapes::lattice_solid::{Units, number_of};
 use crate::shapes::{LatticeSolid, RationalRotation};
 use crate::tolerance_sets::{SetSource, binary_below, number, size};
-use crate::{directed, steps::motion};
+use crate::{directed, motion};
 use rand_chacha::ChaCha8Rng;
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::Subject;

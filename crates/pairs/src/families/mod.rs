@@ -3,10 +3,11 @@
 mod concave_notch;
 mod coplanar_slide;
 mod corner_corner;
-pub(crate) mod edge_cross;
+pub mod edge_cross;
 mod face_stack;
 mod far_origin;
 mod joint_cut;
+mod motion_style;
 mod quasi_parallel_edges;
 pub mod real;
 pub mod sampler;
@@ -16,10 +17,10 @@ mod sliver;
 mod unit_scale;
 mod vertex_on_edge;
 
+pub use motion_style::MotionStyle;
 pub use real::RealNeighbours;
 pub use sampler::{CoordinateStyle, PairSampler};
 
-use crate::steps::MotionStyle;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind};
 use std::fmt;

@@ -214,7 +214,7 @@ pub fn steep(set: &NamedSet, a: &Block, b: &Block) -> NamedSet {
 }
 
 /// The block's shortest edge and longest box side (m).
-pub(super) fn size(block: &Block) -> (f64, f64) {
+pub fn size(block: &Block) -> (f64, f64) {
     let points: Vec<[f64; 3]> = block.vertices().iter().map(|v| v.components().map(|c| c.approximate())).collect();
     let edges = block.topology().edges().iter();
     let shortest = edges.map(|e| length(minus(points[e.q.index()], points[e.p.index()]))).fold(f64::INFINITY, f64::min);
@@ -225,12 +225,12 @@ pub(super) fn size(block: &Block) -> (f64, f64) {
     (shortest, (0..3).map(side).fold(0.0, f64::max))
 }
 
-pub(super) fn number(value: f64) -> Number {
+pub(crate) fn number(value: f64) -> Number {
     Number::from_f64(value).unwrap_or(Number::ZERO)
 }
 
 /// The largest power of two that is at most `value`, which must be positive.
-pub(super) fn binary_below(value: f64) -> f64 {
+pub(crate) fn binary_below(value: f64) -> f64 {
     let (significand, exponent) = split_f64(value);
     power_of_two((exponent + 63 - significand.unsigned_abs().max(1).leading_zeros() as i32).clamp(-1000, 1000))
 }

@@ -1,9 +1,9 @@
 //! Two ridges that cross.
 
 use super::{Drawn, PairSampler};
+use crate::families::MotionStyle;
 use crate::shapes::LatticeSolid;
 use crate::shapes::lattice_solid::Units;
-use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
 pub(super) const EDGE_CROSS: Drawn = Drawn {
@@ -24,7 +24,7 @@ fn draw(sampler: &mut PairSampler<'_>) -> (Block, Block) {
 }
 
 /// A block whose highest feature is an edge along x.
-pub(crate) fn ridge(sampler: &mut PairSampler<'_>) -> LatticeSolid {
+pub fn ridge(sampler: &mut PairSampler<'_>) -> LatticeSolid {
     let sides = sampler.lengths(12, 48);
     match sampler.below(4) {
         0 => sampler.shape("wedge", [sides[1], sides[0], sides[2]]).mapped(&[[0, 1, 0], [-1, 0, 0], [0, 0, 1]], 1),
@@ -39,12 +39,12 @@ pub(crate) fn ridge(sampler: &mut PairSampler<'_>) -> LatticeSolid {
 }
 
 /// A block whose lowest feature is an edge along x.
-pub(crate) fn keel(sampler: &mut PairSampler<'_>) -> LatticeSolid {
+pub fn keel(sampler: &mut PairSampler<'_>) -> LatticeSolid {
     ridge(sampler).mapped(&[[1, 0, 0], [0, -1, 0], [0, 0, -1]], 1)
 }
 
 /// `above` moved so that its lowest edge crosses the highest edge of `below`.
-pub(crate) fn crossing_ridges(
+pub fn crossing_ridges(
     sampler: &mut PairSampler<'_>,
     below: &LatticeSolid,
     above: &LatticeSolid,

@@ -1,8 +1,8 @@
 //! Neighbouring pieces of one block cut by joints.
 
 use super::{CoordinateStyle, Family, PairSampler};
+use crate::families::MotionStyle;
 use crate::shapes::{ClippedPolyhedron, HalfSpace};
-use crate::steps::MotionStyle;
 use rand_chacha::ChaCha8Rng;
 use rockproof_model::{Block, ContactKind, Number, Vec3};
 

@@ -1,7 +1,7 @@
 //! A small block on a large one.
 
 use super::{Drawn, PairSampler};
-use crate::steps::MotionStyle;
+use crate::families::MotionStyle;
 use rockproof_model::{Block, ContactKind};
 
 pub(super) const SIZE_RATIO: Drawn = Drawn {

@@ -1,9 +1,9 @@
 //! Blocks in the notches of others.
 
 use super::{Drawn, PairSampler};
+use crate::families::MotionStyle;
 use crate::shapes::LatticeSolid;
 use crate::shapes::lattice_solid::Units;
-use crate::steps::MotionStyle;
 use rockproof_model::{Block, ContactKind, FaceId};
 
 pub(super) const CONCAVE_NOTCH: Drawn = Drawn {
