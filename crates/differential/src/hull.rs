@@ -3,6 +3,7 @@
 use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, BlockError, BlockOptions, Number, Point, Precision, Sign, Vec3};
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 /// Bits per lattice coordinate up to which `i128` holds every value of the hull (degree 4, with room to spare).
@@ -93,22 +94,33 @@ impl SideFilter {
         (1e-90..1e90).contains(&largest).then_some(SideFilter { points, bound })
     }
 
-    /// On which sides of the plane through three points the others lie.
-    fn sides(&self, plane: [usize; 3]) -> Sides {
+    /// The sign of the distance of a point from the plane through three, along (b − a) × (c − a), where that is certain.
+    fn side(&self, plane: [usize; 3]) -> impl Fn(usize) -> Option<Sign> {
         let [a, b, c] = plane.map(|number| self.points[number]);
         let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
         let (u, v) = (minus(b, a), minus(c, a));
         let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        let (mut above, mut below, mut unsure) = (false, false, false);
-        for (number, &point) in self.points.iter().enumerate() {
-            if plane.contains(&number) {
-                continue;
-            }
-            let d = minus(point, a);
+        move |number| {
+            let d = minus(self.points[number], a);
             let determinant = normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2];
-            above |= determinant > self.bound;
-            below |= determinant < -self.bound;
-            unsure |= determinant.abs() <= self.bound;
+            match determinant {
+                above if above > self.bound => Some(Sign::Positive),
+                below if below < -self.bound => Some(Sign::Negative),
+                _ => None,
+            }
+        }
+    }
+
+    /// On which sides of the plane through three points the others lie.
+    fn sides(&self, plane: [usize; 3]) -> Sides {
+        let side = self.side(plane);
+        let (mut above, mut below, mut unsure) = (false, false, false);
+        for number in (0..self.points.len()).filter(|number| !plane.contains(number)) {
+            match side(number) {
+                Some(Sign::Positive) => above = true,
+                Some(_) => below = true,
+                None => unsure = true,
+            }
             if above && below {
                 return Sides::Both;
             }
@@ -123,47 +135,59 @@ impl SideFilter {
 
 /// Face loops of the hull, counter-clockwise seen from outside; none when the points are flat.
 fn hull_faces<T: ExactRing>(points: &[Vec3<T>], filter: Option<&SideFilter>) -> Vec<Vec<u32>> {
-    let mut seen: BTreeSet<Vec<u32>> = BTreeSet::new();
+    // The points of each plane found.
+    let mut planes: Vec<Vec<u32>> = Vec::new();
     let mut faces = Vec::new();
     let n = points.len();
     for i in 0..n {
         for j in i + 1..n {
-            let u = points[j].minus(&points[i]);
             for k in j + 1..n {
-                let sides = filter.map_or(Sides::Unsure, |filter| filter.sides([i, j, k]));
-                if sides == Sides::Both {
+                let plane = [i, j, k];
+                // A plane that was found, or three points in a line, which span none.
+                let holds_all = |found: &Vec<u32>| plane.iter().all(|&number| found.contains(&(number as u32)));
+                if planes.iter().any(holds_all) {
                     continue;
                 }
-                let normal = u.cross(&points[k].minus(&points[i]));
-                let supporting = match sides {
-                    Sides::One(side) => {
-                        let outward = if side.is_positive() { normal.negated() } else { normal };
-                        Some((outward, [i, j, k].map(|number| number as u32).to_vec()))
-                    }
-                    _ => supporting_plane(points, i, normal),
+                let (face, on_plane) = match filter.map_or(Sides::Unsure, |filter| filter.sides(plane)) {
+                    Sides::Both => continue,
+                    Sides::One(side) => (triangle(points, plane, side), plane.map(|number| number as u32).to_vec()),
+                    Sides::Unsure => match supporting_plane(points, plane, filter) {
+                        Some((outward, on_plane)) => (polygon(points, &on_plane, &outward), on_plane),
+                        None => continue,
+                    },
                 };
-                let Some((outward, on_plane)) = supporting else { continue };
-                if !seen.contains(&on_plane) {
-                    faces.push(polygon(points, &on_plane, &outward));
-                    seen.insert(on_plane);
-                }
+                faces.push(face);
+                planes.push(on_plane);
             }
         }
     }
     faces
 }
 
-/// The plane through point `i` with this normal, if all points lie on one side of it: the outward normal and the
-/// points in the plane. `None` for a zero normal and when every point lies in the plane.
-fn supporting_plane<T: ExactRing>(points: &[Vec3<T>], i: usize, normal: Vec3<T>) -> Option<(Vec3<T>, Vec<u32>)> {
+/// The plane through three points, if all points lie on one side of it: the outward normal and the points in the plane. `None` where the three span no
+/// plane and when every point lies in it.
+fn supporting_plane<T: ExactRing>(
+    points: &[Vec3<T>],
+    plane: [usize; 3],
+    filter: Option<&SideFilter>,
+) -> Option<(Vec3<T>, Vec<u32>)> {
+    let [a, b, c] = plane.map(|number| &points[number]);
+    let normal = b.minus(a).cross(&c.minus(a));
     if normal.components().iter().all(|c| c.sign().is_zero()) {
         return None;
     }
-    let level = normal.dot(&points[i]);
+    let certain = filter.map(|filter| filter.side(plane));
     let mut side = Sign::Zero;
     let mut on_plane = Vec::new();
     for (number, point) in points.iter().enumerate() {
-        match normal.dot(point).minus(&level).sign() {
+        let sign = match plane.contains(&number) {
+            true => Sign::Zero,
+            false => certain
+                .as_ref()
+                .and_then(|certain| certain(number))
+                .unwrap_or_else(|| normal.dot(&point.minus(a)).sign()),
+        };
+        match sign {
             Sign::Zero => on_plane.push(number as u32),
             sign if side.is_zero() => side = sign,
             sign if sign != side => return None,
@@ -177,43 +201,56 @@ fn supporting_plane<T: ExactRing>(points: &[Vec3<T>], i: usize, normal: Vec3<T>)
     }
 }
 
+/// The order of points by x, then y, then z.
+fn lexicographic<T: ExactRing>(p: &Vec3<T>, q: &Vec3<T>) -> Ordering {
+    let order = |a: &T, b: &T| match a.minus(b).sign() {
+        Sign::Negative => Ordering::Less,
+        Sign::Zero => Ordering::Equal,
+        Sign::Positive => Ordering::Greater,
+    };
+    order(&p.x, &q.x).then_with(|| order(&p.y, &q.y)).then_with(|| order(&p.z, &q.z))
+}
+
+/// What [`polygon`] makes of three points, where all others lie strictly on the side `others` of their plane.
+fn triangle<T: ExactRing>(points: &[Vec3<T>], [a, b, c]: [usize; 3], others: Sign) -> Vec<u32> {
+    let mut corners = if others.is_positive() { [a, c, b] } else { [a, b, c] };
+    let first = (0..3).min_by(|&p, &q| lexicographic(&points[corners[p]], &points[corners[q]])).unwrap_or(0);
+    corners.rotate_left(first);
+    corners.map(|number| number as u32).to_vec()
+}
+
 /// The corners of the convex polygon that points of one plane span, counter-clockwise about `outward` (Jarvis's march,
 /// the furthest of collinear points first).
 fn polygon<T: ExactRing>(points: &[Vec3<T>], on_plane: &[u32], outward: &Vec3<T>) -> Vec<u32> {
     let at = |v: u32| &points[v as usize];
-    let lexicographic = |v: &u32, w: &u32| {
-        let order = |a: &T, b: &T| match a.minus(b).sign() {
-            Sign::Negative => std::cmp::Ordering::Less,
-            Sign::Zero => std::cmp::Ordering::Equal,
-            Sign::Positive => std::cmp::Ordering::Greater,
-        };
-        let (p, q) = (at(*v), at(*w));
-        order(&p.x, &q.x).then_with(|| order(&p.y, &q.y)).then_with(|| order(&p.z, &q.z))
+    let Some(start) = on_plane.iter().copied().min_by(|v, w| lexicographic(at(*v), at(*w))) else { return Vec::new() };
+    // Products of vectors in the plane are along `outward` or against it: one component tells which.
+    let signs = outward.components().map(|c| c.sign());
+    let Some(axis) = signs.iter().position(|sign| !sign.is_zero()) else { return Vec::new() };
+    let turn = |v: &Vec3<T>, w: &Vec3<T>| {
+        let ([v, w], [p, q]) = ([v, w].map(Vec3::components), [(axis + 1) % 3, (axis + 2) % 3]);
+        v[p].times(w[q]).minus(&v[q].times(w[p])).sign().times(signs[axis])
     };
-    let Some(start) = on_plane.iter().copied().min_by(lexicographic) else { return Vec::new() };
     let mut corners = vec![start];
     loop {
         let here = at(corners[corners.len() - 1]);
-        let mut next: Option<u32> = None;
+        let mut next: Option<(u32, Vec3<T>)> = None;
         for &candidate in on_plane {
             let to_candidate = at(candidate).minus(here);
             if to_candidate.components().iter().all(|c| c.sign().is_zero()) {
                 continue;
             }
-            let better = next.is_none_or(|best| {
-                let to_best = at(best).minus(here);
-                match to_best.cross(&to_candidate).dot(outward).sign() {
-                    Sign::Negative => true,
-                    Sign::Positive => false,
-                    Sign::Zero => to_candidate.norm_squared().minus(&to_best.norm_squared()).sign().is_positive(),
-                }
+            let better = next.as_ref().is_none_or(|(_, to_best)| match turn(to_best, &to_candidate) {
+                Sign::Negative => true,
+                Sign::Positive => false,
+                Sign::Zero => to_candidate.norm_squared().minus(&to_best.norm_squared()).sign().is_positive(),
             });
             if better {
-                next = Some(candidate);
+                next = Some((candidate, to_candidate));
             }
         }
         match next {
-            Some(next) if next != start && corners.len() <= on_plane.len() => corners.push(next),
+            Some((next, _)) if next != start && corners.len() <= on_plane.len() => corners.push(next),
             _ => return corners,
         }
     }
