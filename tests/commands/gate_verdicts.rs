@@ -294,14 +294,18 @@ fn deny_says_which_causes_do_not_concern_external_engines() {
 fn what_is_no_answer_is_no_rounding() {
     let dir = tempfile::tempdir().expect("a directory");
     let beyond = "[[limit]]\nengine = \"mine\"\nbeyond_ulps = 1000\ncount = 0\n";
-    // Two of three answers are right.
+    // Of two of three pairs the answers are right. For more lines after a malformed one it is waited, so of it the pairs are fewer.
+    let around_trick = |trick: &str, rest: &str| {
+        let pairs = if trick == "malformed" { "pairs = 96" } else { "pairs = 256" };
+        around(&[&client(), trick], rest).replace("pairs = 256", pairs)
+    };
     for trick in ["crash", "malformed", "unasked"] {
-        let ran = gate(dir.path(), &around(&[&client(), trick], beyond), &[], false);
+        let ran = gate(dir.path(), &around_trick(trick, beyond), &[], false);
         let row = ran.out.lines().find(|line| line.contains("beyond 1000 roundoffs")).expect("a row");
         assert!(ran.code == 1 && row.contains("FAIL"), "{trick}: {}{}", ran.out, ran.err);
         // It is about no contact.
         let of_kind = format!("{beyond}kind = \"v-f\"\n");
-        let ran = gate(dir.path(), &around(&[&client(), trick], &of_kind), &[], false);
+        let ran = gate(dir.path(), &around_trick(trick, &of_kind), &[], false);
         assert_eq!(ran.code, 0, "{trick}: {}{}", ran.out, ran.err);
     }
     // One that says so of some pairs does no wrong; one that says so of most was not checked.

@@ -49,6 +49,13 @@ fn no_example_in_a_comment_is_left_out() {
     assert!(without > 10, "{without} crates");
 }
 
+/// The files beside a program that it declares as modules.
+fn modules(program: &Path) -> Vec<PathBuf> {
+    let text = std::fs::read_to_string(program).unwrap();
+    let names = text.lines().filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'));
+    names.map(|name| program.with_file_name(name).with_extension("rs")).collect()
+}
+
 /// What `cargo test` does not compile with a library, tests in its sources and test programs, the package in its folder `tests` compiles.
 #[test]
 fn no_test_is_left_out() {
@@ -61,15 +68,18 @@ fn no_test_is_left_out() {
         let manifest: toml::Table = read(&folder);
         let off = |table: Option<&toml::Value>, key: &str| table.and_then(|t| t.get(key)?.as_bool()) == Some(false);
         let tests = folder.join("tests");
-        let compiled: BTreeSet<PathBuf> = match tests.join("Cargo.toml").is_file() {
-            true => {
-                let manifest: toml::Table = read(&tests);
-                let programs = manifest["test"].as_array().unwrap().iter();
-                programs.map(|program| tests.join(program["path"].as_str().unwrap())).collect()
-            }
-            false => BTreeSet::new(),
+        let has_package = tests.join("Cargo.toml").is_file();
+        let listing = if has_package { &tests } else { &folder };
+        let lists: toml::Table = read(listing);
+        let programs = match has_package || off(lists.get("package"), "autotests") {
+            true => lists.get("test").and_then(toml::Value::as_array).into_iter().flatten().collect(),
+            false => Vec::new(),
         };
-        packages += usize::from(!compiled.is_empty());
+        let programs: Vec<PathBuf> =
+            programs.iter().map(|program| listing.join(program["path"].as_str().unwrap())).collect();
+        let compiled: BTreeSet<PathBuf> =
+            programs.iter().flat_map(|program| modules(program)).chain(programs.iter().cloned()).collect();
+        packages += usize::from(has_package);
         let unit = compiled.contains(&tests.join("../src/lib.rs"));
         assert_eq!(off(manifest.get("lib"), "test"), unit, "{}: tests in its sources", folder.display());
         let programs: Vec<PathBuf> =

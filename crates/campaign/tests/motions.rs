@@ -2,6 +2,7 @@
 //! than g, slips that turn, a seventh solve without a change, a Δt that grows by half. A rule is reached where the step
 //! without it ends elsewhere.
 
+use rayon::prelude::*;
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::source;
 use rockproof_differential::collapse::collapsed_feature;
@@ -72,13 +73,13 @@ fn trajectory<M: StepRules>(subject: &Subject, motion: &PairMotion) -> Vec<Vec<[
 fn motions_reach_the_new_rules() {
     let config = CampaignConfig { steps_every: 2, steps: 4, ..CampaignConfig::default() };
     let source = source::of(&config).unwrap();
-    let (mut pairs, mut counts) = (0, [[0; 4]; 4]);
-    for subject in (0..126).flat_map(|number| source.batch(number)) {
-        let Some(motion) = source.motion(&subject) else { continue };
-        if [&subject.a, &subject.b].into_iter().any(|block| collapsed_feature(block).is_some()) {
-            continue;
-        }
-        pairs += 1;
+    let moving = |subject: Subject| {
+        let motion = source.motion(&subject)?;
+        let is_collapsed = [&subject.a, &subject.b].into_iter().any(|block| collapsed_feature(block).is_some());
+        (!is_collapsed).then_some((subject, motion))
+    };
+    // For each pair the step of each rule in which it is reached.
+    let reached = |(subject, motion): (Subject, PairMotion)| -> [Option<usize>; 4] {
         let right = trajectory::<SpecRules>(&subject, &motion);
         let others = [
             trajectory::<NothingKept>(&subject, &motion),
@@ -86,14 +87,22 @@ fn motions_reach_the_new_rules() {
             trajectory::<NoSeventh>(&subject, &motion),
             trajectory::<FullAtOnce>(&subject, &motion),
         ];
-        for (counts, other) in counts.iter_mut().zip(others) {
+        others.map(|other| {
             let same = right.iter().zip(&other).take_while(|(right, other)| right == other).count();
-            if same < right.len().max(other.len()) {
-                counts[same] += 1;
+            (same < right.len().max(other.len())).then_some(same)
+        })
+    };
+    let batch = |number: u64| source.batch(number).into_iter().filter_map(moving).map(reached).collect::<Vec<_>>();
+    let pairs: Vec<_> = (0..126u64).into_par_iter().flat_map_iter(batch).collect();
+    let mut counts = [[0; 4]; 4];
+    for steps in &pairs {
+        for (of_rule, step) in counts.iter_mut().zip(steps) {
+            if let Some(step) = step {
+                of_rule[*step] += 1;
             }
         }
     }
-    println!("of {pairs} pairs, by the step in which the rule is first reached:");
+    println!("of {} pairs, by the step in which the rule is first reached:", pairs.len());
     for (name, counts) in ["kept contacts", "turned slips", "seventh solve", "growth of Δt"].iter().zip(counts) {
         println!("{name:16} {counts:?}");
     }

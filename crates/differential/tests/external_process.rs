@@ -50,10 +50,10 @@ fn nothing_of_an_engine_stays_behind() {
         scope.spawn(output_nobody_asked_for);
         scope.spawn(long_answers_and_children);
     });
-    // Two hundred restarts leave nothing, not even where a child left the group and holds the pipes.
+    // Forty restarts leave nothing, not even where a child left the group and holds the pipes.
     let before = ["fd", "task"].map(held);
     let restart = || {
-        for script in ["read line; exit 3", "setsid sleep 3 & read line; exit 3"].repeat(25) {
+        for script in ["read line; exit 3", "setsid sleep 3 & read line; exit 3"].repeat(5) {
             assert!(matches!(ask(&mut shell(script), 10), Err(NoAnswer::Ended(_))));
         }
     };
