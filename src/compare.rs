@@ -106,7 +106,7 @@ impl Compare {
             ));
         }
         // Nor those of one that answers far less.
-        let silent: &[String] = if self.deny.is_empty() { &[] } else { comparison.silent_engines() };
+        let silent: &[String] = if self.deny.is_empty() { &[] } else { &comparison.engines_silent };
         if !silent.is_empty() {
             print_note(&format!(
                 "denied: {} answered less than half of the pairs of the run after, and not so before, so little was compared",

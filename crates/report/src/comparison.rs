@@ -9,6 +9,7 @@ use super::sections::{Section, SectionPart};
 use super::table::{Table, TableCell, grouped};
 use super::verdict::{Severity, VerdictLine};
 use rockproof_campaign::proportion::Proportion;
+use rockproof_differential::agreement::EngineAnswers;
 use rockproof_gate::comparison::{ClassChange, Comparable, FindingComparison, Trend};
 use rockproof_gate::tally::CampaignTally;
 use rockproof_model::text::escaped;
@@ -54,7 +55,7 @@ pub struct RunComparison {
     pub settings: Vec<SettingChange>,
     /// Engines that take part in one of them alone, before and after: left out.
     pub engines_left_out: [Vec<String>; 2],
-    /// External engines that answered less than half of the pairs of the run after, but not of the run before.
+    /// External engines that answered less than half of the pairs of the run after, but not of the run before: of them little was compared.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub engines_silent: Vec<String>,
     /// The sorts of findings.
@@ -112,11 +113,6 @@ impl RunComparison {
     /// Engines and precisions of the run before that take no part in the run after: nothing is known of their findings.
     pub fn gone_engines(&self) -> &[String] {
         &self.engines_left_out[0]
-    }
-
-    /// External engines that answered at least half of the pairs of the run before, and less than half of those of the run after: of them little was compared.
-    pub fn silent_engines(&self) -> &[String] {
-        &self.engines_silent
     }
 
     /// Whether an external engine says less of its contacts, or of how blocks lie, than before, so that less is compared.
@@ -355,7 +351,8 @@ fn silent_engines([before, after]: [&CampaignRun; 2]) -> Vec<String> {
     let in_both = after.run.external_engines.keys().filter(|engine| before.run.external_engines.contains_key(*engine));
     let is_silent = |run: &CampaignRun, engine: &str| {
         let counts = run.of_engine(engine);
-        counts.pairs - counts.silent < counts.silent
+        EngineAnswers { asked: counts.pairs, answered: counts.pairs - counts.silent, ..EngineAnswers::default() }
+            .are_too_few()
     };
     in_both.filter(|engine| is_silent(after, engine) && !is_silent(before, engine)).cloned().collect()
 }
