@@ -1,5 +1,5 @@
 //! The pairs of blocks that campaigns ask about: families made to break contact classification, tolerance sets, and what aims at
-//! single decisions (docs/families.md).
+//! single decisions (docs/concepts.md).
 
 pub mod batch;
 pub mod directed;
