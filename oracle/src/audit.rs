@@ -23,6 +23,7 @@ mod decider;
 mod planes;
 mod screen;
 mod severity;
+mod unevenness;
 
 use crate::boxes::{self, Box3, meeting_pairs};
 use crate::interiors;
@@ -31,11 +32,13 @@ use crate::separation::{PointSet, SeparationAnswer, separate};
 use crate::{Gap, Pair, PreparedBlock};
 pub use decider::{AuditCounts, Decider};
 use num_rational::BigRational;
+use num_traits::Zero;
 use planes::FacePlanes;
 use rockproof_model::{Block, Contact, ContactKey, Number, ToleranceSet};
 pub use screen::Screen;
 pub use severity::{OverlapSeverity, rounding_depth, rounding_depth_of_size};
 use std::sync::OnceLock;
+use unevenness::{UnevenFace, uneven_faces};
 
 /// Whether the contacts of a pair tell of its overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -77,9 +80,9 @@ pub struct Overlap {
     pub sight: OverlapVisibility,
     /// Whether the penetration is above g; **exactly g is not**.
     pub is_deeper_than_g: bool,
-    /// Whether the penetration is at most twice the distance of some vertex of either block from the plane of one of its
-    /// faces (**a tie says yes**): so much can blocks overlap whose planes only touch, because rounded coordinates made faces
-    /// uneven. Contacts, which ask for planes, need not tell of it.
+    /// Whether the penetration is at most twice the greatest distance of a vertex from the plane of its face (**a tie says yes**), of some face of either
+    /// block whose box meets that of the other one: so much can blocks overlap whose planes only touch, because rounded coordinates made faces uneven.
+    /// Contacts, which ask for planes, need not tell of it.
     pub is_within_unevenness: bool,
 }
 
@@ -175,8 +178,7 @@ pub struct Auditor<'s> {
 struct AuditedBlock {
     planes: FacePlanes,
     has_inside: bool,
-    /// The square of the greatest distance of a vertex from the plane of its face, in m².
-    unevenness: OnceLock<BigRational>,
+    uneven_faces: OnceLock<Vec<UnevenFace>>,
 }
 
 /// The audit of all pairs in one thread.
@@ -192,7 +194,7 @@ impl<'s> Auditor<'s> {
         let body = |prepared: &PreparedBlock| AuditedBlock {
             planes: FacePlanes::of(prepared),
             has_inside: planes::has_inside(prepared),
-            unevenness: OnceLock::new(),
+            uneven_faces: OnceLock::new(),
         };
         Auditor { prepared, tolerances, bodies: prepared.iter().map(body).collect() }
     }
@@ -318,10 +320,8 @@ impl<'s> Auditor<'s> {
     }
 
     fn is_surely_within_unevenness(&self, blocks: [usize; 2], most_m: f64) -> bool {
-        let bulge = blocks.iter().map(|&k| self.prepared[k].bulge).fold(0.0, f64::max);
-        most_m <= 2.0 * bulge
-            && BigRational::from_float(most_m)
-                .is_some_and(|most| self.is_at_most_twice_unevenness(blocks, &(&most * &most)))
+        most_m <= 2.0 * self.bulge(blocks)
+            && BigRational::from_float(most_m).is_some_and(|most| self.unevenness_explains(blocks, &(&most * &most)))
     }
 
     /// How deep blocks overlap that do, and what the classification says of it.
@@ -355,19 +355,28 @@ impl<'s> Auditor<'s> {
     }
 
     fn is_within_unevenness(&self, blocks: [usize; 2], penetration: &Penetration) -> bool {
+        let square = penetration.depth_squared();
+        if square.is_zero() {
+            return true;
+        }
         // f64 bounds leave out nearly all; NaN leaves out nothing. The depth is rounded to nearest, which keeps the order.
-        let most = blocks.iter().map(|&k| self.prepared[k].bulge).fold(0.0, f64::max);
-        if penetration.depth_m().is_some_and(|depth| depth > 2.0 * most) {
+        if penetration.depth_m().is_some_and(|depth| depth > 2.0 * self.bulge(blocks)) {
             return false;
         }
-        self.is_at_most_twice_unevenness(blocks, &penetration.depth_squared())
+        self.unevenness_explains(blocks, &square)
     }
 
-    fn is_at_most_twice_unevenness(&self, blocks: [usize; 2], square: &BigRational) -> bool {
-        let unevenness =
-            |k: usize| self.bodies[k].unevenness.get_or_init(|| planes::unevenness_squared(self.prepared[k].block()));
-        let [one, two] = blocks.map(unevenness);
-        *square <= BigRational::from_integer(4.into()) * one.max(two)
+    fn unevenness_explains(&self, blocks: [usize; 2], square: &BigRational) -> bool {
+        unevenness::explains(blocks.map(|k| self.prepared[k].block()), self.uneven_faces(blocks), square)
+    }
+
+    /// Bounds the unevenness of both blocks' faces.
+    fn bulge(&self, blocks: [usize; 2]) -> f64 {
+        blocks.iter().map(|&k| self.prepared[k].bulge).fold(0.0, f64::max)
+    }
+
+    fn uneven_faces(&self, blocks: [usize; 2]) -> [&[UnevenFace]; 2] {
+        blocks.map(|k| self.bodies[k].uneven_faces.get_or_init(|| uneven_faces(self.prepared[k].block())).as_slice())
     }
 
     /// The contact with the most negative gap.

@@ -69,6 +69,7 @@ mod soak;
 mod stdin;
 mod stress_command;
 mod tune_command;
+mod unseen_overlaps;
 mod untrusted_input;
 mod untrusted_names;
 mod untrusted_results;

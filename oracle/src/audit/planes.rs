@@ -7,12 +7,10 @@ use crate::field::{DoubleBall, Field};
 use crate::number::{Ball, UNDERFLOW};
 use crate::separation::{PointSet, on_lattice};
 use num_bigint::BigInt;
-use num_rational::BigRational;
-use num_traits::{Signed, Zero};
+use num_traits::Zero;
 use rockproof_model::block::face_normal;
-use rockproof_model::lattice::Lattice;
 use rockproof_model::ring::ExactRing;
-use rockproof_model::{Block, FaceId, Ring, Sign, Vec3};
+use rockproof_model::{FaceId, Ring, Sign, Vec3};
 use smallvec::SmallVec;
 
 /// The faces of a block as directions in f64, each taken as exact: how far the block reaches along them.
@@ -202,33 +200,11 @@ pub(super) fn has_inside(prepared: &PreparedBlock) -> bool {
     }
 }
 
-/// The square of the greatest distance of a face's vertex from the face's plane, in m².
-pub(super) fn unevenness_squared(block: &Block) -> BigRational {
-    let lattice = Lattice::covering(block.coordinates());
-    let points: Vec<Vec3<BigInt>> = block.vertices().iter().map(|v| v.map(|c| lattice.units(c))).collect();
-    let mut most = BigRational::zero();
-    for face in block.topology().faces().iter().filter(|face| face.len() > 3) {
-        let n = face_normal(&points, face);
-        let square = n.norm_squared();
-        if Zero::is_zero(&square) {
-            continue;
-        }
-        // k times the distances times |N|, the plane being that through the mean of the k vertices.
-        let k = BigInt::from(face.len());
-        let sum = face.iter().fold(Vec3::zero(), |sum: Vec3<BigInt>, &v| sum.plus(&points[v.index()]));
-        let middle = n.dot(&sum);
-        let off = face.iter().map(|&v| (&k * n.dot(&points[v.index()]) - &middle).abs()).max().unwrap_or_default();
-        most = most.max(BigRational::new(&off * &off, square * &k * &k));
-    }
-    let (units, metres) = lattice.units_per_metre();
-    most * BigRational::new(&metres * &metres, &units * &units)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prepared_block::tests::bent_box;
-    use rockproof_model::{BlockOptions, Number, Point};
+    use num_rational::BigRational;
+    use rockproof_model::{Block, BlockOptions, Number, Point};
 
     fn number(text: &str) -> Number {
         Number::from_rational(text.parse().expect("a fraction"))
@@ -269,17 +245,6 @@ mod tests {
         let [one, other] = planes.each_ref();
         assert_eq!(separating_face([&b, &a], [other, one]), found);
         found
-    }
-
-    #[test]
-    fn unevenness_is_the_greatest_distance_from_a_face_s_own_plane() {
-        // N of the top is (−3, −3, 18), its corners' n·p are 54 and 45 by turns, so 9/2 from their mean: (9/2)² / 342.
-        let expected = BigRational::new(9.into(), 152.into());
-        for (scale, square) in [("1", (1, 1)), ("1/7", (1, 49)), ("3/8", (9, 64)), ("5", (25, 1)), ("2", (4, 1))] {
-            let square = BigRational::new(square.0.into(), square.1.into());
-            let block = bent_box(&scale.parse::<Number>().expect("a number"));
-            assert_eq!(unevenness_squared(&block), &expected * square, "{scale}");
-        }
     }
 
     #[test]

@@ -10,3 +10,4 @@ mod coinciding;
 mod passage;
 mod penetration;
 mod penetration_limits;
+mod unevenness;
