@@ -37,6 +37,11 @@ impl Penetration {
         if self.gap.sign.is_negative() { self.gap.squared.sqrt_rounded() } else { Some(0.0) }
     }
 
+    /// The direction in which A moves to get free, in f64: each component rounded to nearest, not of unit length.
+    pub fn way_out(&self) -> [f64; 3] {
+        self.direction.components().map(|c| c.to_f64().unwrap_or(f64::NAN))
+    }
+
     /// That of blocks that touch, or of which no more is known.
     pub(crate) fn none() -> Penetration {
         Penetration { gap: Gap { sign: Sign::Zero, squared: BigRational::default() }, direction: Vec3::zero() }

@@ -11,7 +11,7 @@ use rockproof_oracle::penetration::Penetration;
 use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_simulate::run::StepAnnotations;
 use rockproof_simulate::{AuditScope, PairDepth, StepAudit, StepPassages, Stepping};
-use rockproof_stepper::dynamics::{ClosedContacts, State, StepError, StepReport};
+use rockproof_stepper::dynamics::{ClosedContacts, PressedBlocks, State, StepError, StepReport, least_thickness};
 use rockproof_stepper::{Real, Vector};
 
 /// Pairs that f64 looks at in one thread: to wake others costs more.
@@ -93,7 +93,8 @@ impl<R: Real> AuditedRun<R> {
         let set = &self.set;
         let exactly = |&blocks: &[usize; 2]| unseen(screen, (set, see), blocks, (closed.between(blocks), &rounding));
         // Each takes long enough to be worth another thread.
-        let unseen = open.par_iter().filter_map(exactly).collect();
+        let unseen: Vec<UnseenOverlap> = open.par_iter().filter_map(exactly).collect();
+        let unseen = beyond_yielding(unseen, set, state);
         let floor = rounding_depth_of_size(&largest, Precision::F64);
         let bounded = candidates.into_iter().map(|candidate| candidate.overlap).collect();
         let deepest = deepest_beyond(screen, &self.set, bounded, &floor);
@@ -166,16 +167,41 @@ pub(crate) fn is_unseen<R: Real>(
     let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
     let rounding = rounding_depth_of_size(&largest, precision);
     let closed_see = scope == AuditScope::Overlaps;
-    unseen(&screen, (set, closed_see), blocks, (ClosedContacts::of(state).between(blocks), &rounding)).is_some()
+    let found = unseen(&screen, (set, closed_see), blocks, (ClosedContacts::of(state).between(blocks), &rounding));
+    !beyond_yielding(found.into_iter().collect(), set, state).is_empty()
 }
 
-/// A pair exactly: its depth, if it overlaps by more than rounding where no contact sees it; `closed_see` where closed contacts with h < 0 are enough.
+/// An overlap by more than rounding where no contact sees it.
+struct UnseenOverlap {
+    blocks: [usize; 2],
+    penetration: Penetration,
+    /// What neither block is thinner than (m); `None` where one is not convex.
+    thickness: Option<f64>,
+}
+
+/// Those of unseen overlaps that are more than springs of other contacts yield.
+fn beyond_yielding<R: Real>(unseen: Vec<UnseenOverlap>, set: &ToleranceSet, state: &State<R>) -> Vec<PairDepth> {
+    if unseen.is_empty() {
+        return Vec::new();
+    }
+    let (pressed, penetration) = (PressedBlocks::of(state), set.penetration.approximate());
+    let beyond = |found: &UnseenOverlap| {
+        let pair = pair_depth(found.blocks, &found.penetration);
+        let yields = found.thickness.is_some_and(|thickness| {
+            pressed.explain(pair.blocks, pair.depth_m, found.penetration.way_out(), penetration.min(thickness / 2.0))
+        });
+        (!yields).then_some(pair)
+    };
+    unseen.iter().filter_map(beyond).collect()
+}
+
+/// A pair exactly: how it overlaps, if it does by more than rounding where no contact sees it; `closed_see` where closed contacts with h < 0 are enough.
 fn unseen(
     screen: &Screen<'_>,
     (set, closed_see): (&ToleranceSet, bool),
     blocks: [usize; 2],
     (closed, rounding): (&[([usize; 2], Contact)], &Number),
-) -> Option<PairDepth> {
+) -> Option<UnseenOverlap> {
     let prepared = blocks.map(|block| PreparedBlock::new(&screen.block(block)));
     let kept: Vec<ContactKey> = closed.iter().map(|(_, contact)| contact.key).collect();
     let pair = Pair::new(&prepared[0], &prepared[1]);
@@ -185,7 +211,8 @@ fn unseen(
         return None;
     }
     let overlap = Auditor::new(&prepared, set).pair_with_kept([0, 1], &kept).overlap?;
-    overlap.is_unseen(rounding).then(|| pair_depth(blocks, &overlap.penetration))
+    let thickness = least_thickness(prepared.each_ref().map(PreparedBlock::block));
+    overlap.is_unseen(rounding).then_some(UnseenOverlap { blocks, penetration: overlap.penetration, thickness })
 }
 
 /// The deepest of some pairs, exactly, of equal ones the first; none where none is deeper than `floor`.

@@ -47,7 +47,9 @@ fn plainly<R: Solve>(
         let [a, b] = pair.map(|block| &prepared[block]);
         let is_pressed =
             closed_see && closed.iter().any(|contact| Pair::new(a, b).gap(&contact.entrance()).sign.is_negative());
-        if overlap.is_unseen(&rounding) && !is_pressed {
+        let yields = depth.depth_m
+            < limit_of_yielding(set, state, (pair, [a.block(), b.block()]), overlap.penetration.way_out());
+        if overlap.is_unseen(&rounding) && !is_pressed && !yields {
             found.unseen.push(depth);
         }
         if overlap.depth_squared() > floor_squared && overlap.depth_squared() > most {
@@ -58,11 +60,64 @@ fn plainly<R: Solve>(
     found
 }
 
+/// Less deep is an unseen overlap of convex blocks that springs yield: a tenth of what both are pressed into others, a thousandth of g and of half of what neither is
+/// thinner than, where each has a contact with another block, no further open, that pushes it out; else nothing.
+fn limit_of_yielding<R: Solve>(
+    set: &ToleranceSet,
+    state: &State<R>,
+    ([a, b], shapes): ([usize; 2], [&Block; 2]),
+    way_out: [f64; 3],
+) -> f64 {
+    if shapes.iter().any(|block| !block.is_convex()) {
+        return 0.0;
+    }
+    let thickness = shapes.map(|block| {
+        let sides = [0, 1, 2].map(|axis: usize| {
+            let along = || block.vertices().iter().map(|v| v.components()[axis].approximate());
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        });
+        Number::from_rational(block.volume()).approximate() / sides.iter().map(|side| side * side).sum::<f64>()
+    });
+    let size = thickness.into_iter().fold(f64::INFINITY, f64::min) / 2.0;
+    let way = |scale: f64| Vec3::new(way_out[0] * scale, way_out[1] * scale, way_out[2] * scale);
+    let others = |block: usize, partner: usize| {
+        state.contacts.iter().filter(move |contact| {
+            let blocks = contact.blocks.map(|block| block as usize);
+            blocks.contains(&block) && !blocks.contains(&partner)
+        })
+    };
+    let pressed = |block, partner| {
+        let closed = others(block, partner).filter(|contact| contact.mode.is_closed());
+        closed.map(|contact| -contact.gap.to_f64()).fold(0.0, f64::max)
+    };
+    let limit = (pressed(a, b) / 10.0).min(pressed(b, a) / 10.0).min(set.penetration.approximate().min(size) / 1000.0);
+    let is_held = |block: usize, partner: usize, way: Vec3<f64>| {
+        others(block, partner).filter(|contact| contact.gap.to_f64() < limit).any(|contact| {
+            let sign = if contact.blocks[0] as usize == block { 1.0 } else { -1.0 };
+            let [x, y, z] = contact.normal.components().map(R::to_f64);
+            let length = (way.x * way.x + way.y * way.y + way.z * way.z).sqrt();
+            sign * (x * way.x + y * way.y + z * way.z) >= length / 2.0
+        })
+    };
+    if is_held(a, b, way(1.0)) && is_held(b, a, way(-1.0)) { limit } else { 0.0 }
+}
+
 /// Steps with an overlap, and with an unseen one, of a scene; the audit of each is the plain one.
-fn compared<R: Solve>(file: &str, (precision, scope): (Precision, AuditScope), steps: usize) -> [usize; 2] {
+fn compared<R: Solve>(file: &str, about: (Precision, AuditScope), steps: usize) -> [usize; 2] {
+    compared_with::<R>(file, about, steps, |_| {})
+}
+
+/// The same with other tolerances.
+fn compared_with<R: Solve>(
+    file: &str,
+    (precision, scope): (Precision, AuditScope),
+    steps: usize,
+    change: impl Fn(&mut ToleranceSet),
+) -> [usize; 2] {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(file);
     let mut scene = Scene::load(path.to_str().expect("text")).expect("a scene");
-    let set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), precision).expect("a set");
+    let mut set = scene.tolerances.clone().unwrap_or_default().derive(&scene.shapes(), precision).expect("a set");
+    change(&mut set);
     scene.derive_stiffness(&set);
     let dynamics = Dynamics::<R, SpecRules>::new(&scene, &set).expect("a beginning");
     let mut run = AuditedRun::new(Box::new(dynamics), &scene, &set, (precision, scope)).expect("a run");
@@ -97,10 +152,15 @@ fn what_f64_leaves_out_changes_no_audit() {
     assert!(overlapping > 0 && reached[0] > 80 && reached[1] + unseen > 0, "{reached:?} {overlapping} {unseen}");
 }
 
-/// With passages the classification alone says what contacts see: in this scene it loses a contact for a step that a closed one hides.
+/// With passages the classification alone says what contacts see: in this scene it loses a contact for a step that a closed one hides. Others hold both blocks, so
+/// that this is no more than springs yield, but under a `penetration` of which it is more than a thousandth.
 #[test]
 fn the_full_audit_asks_the_classification_alone() {
-    let unseen = |scope| compared::<f64>("handmade/slope_failure.toml", (Precision::F64, scope), 24)[1];
-    assert_eq!(unseen(AuditScope::Overlaps), 0);
-    assert!(unseen(AuditScope::OverlapsAndPassages) > 0);
+    let unseen = |scope, penetration: f64| {
+        let change = |set: &mut ToleranceSet| set.penetration = Number::from_f64(penetration).expect("a number");
+        compared_with::<f64>("handmade/slope_failure.toml", (Precision::F64, scope), 24, change)[1]
+    };
+    assert_eq!(unseen(AuditScope::Overlaps, 2e-4), 0);
+    assert!(unseen(AuditScope::OverlapsAndPassages, 2e-4) > 0);
+    assert_eq!(unseen(AuditScope::OverlapsAndPassages, 2e-3), 0);
 }

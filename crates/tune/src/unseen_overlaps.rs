@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use rockproof_model::{Block, ContactKey, Precision, ToleranceSet};
 use rockproof_oracle::audit::{Auditor, rounding_depth};
 use rockproof_oracle::{Pair, PreparedBlock};
-use rockproof_stepper::dynamics::{ClosedContacts, Solve, State};
+use rockproof_stepper::dynamics::{ClosedContacts, PressedBlocks, Solve, State, least_thickness};
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
 
@@ -29,7 +29,7 @@ impl UnseenOverlaps {
 }
 
 /// The depths (m) of the pairs of `overlaps`, each with its depth, of which no contact tells after a step; contacts that the step left closed are kept,
-/// as by the step that follows.
+/// as by the step that follows. What springs of other contacts yield is left out, as `simulate` does.
 pub(super) fn unseen_depths<R: Solve>(
     blocks: &[Block],
     state: &State<R>,
@@ -41,7 +41,7 @@ pub(super) fn unseen_depths<R: Solve>(
     let harmless = (&rounding).min(&set.penetration).approximate().next_down();
     let prepared: Vec<OnceLock<PreparedBlock>> = blocks.iter().map(|_| OnceLock::new()).collect();
     let deep = set.penetration.approximate().next_up();
-    let closed = ClosedContacts::of(state);
+    let (closed, pressed) = (ClosedContacts::of(state), OnceLock::new());
     let unseen = |&(pair, depth): &([usize; 2], f64)| {
         let kept: Vec<ContactKey> = closed.between(pair).iter().map(|(_, contact)| contact.key).collect();
         let [a, b] = pair.map(|k| prepared[k].get_or_init(|| PreparedBlock::new(&blocks[k])));
@@ -54,8 +54,15 @@ pub(super) fn unseen_depths<R: Solve>(
             return Some(depth);
         }
         let both = pair.map(|k| PreparedBlock::new(&blocks[k]));
-        let overlap = Auditor::new(&both, set).unseen_with_kept([0, 1], &kept)?;
-        overlap.is_unseen(&rounding).then(|| overlap.penetration.depth_m().unwrap_or(f64::INFINITY))
+        let overlap =
+            Auditor::new(&both, set).unseen_with_kept([0, 1], &kept).filter(|found| found.is_unseen(&rounding))?;
+        let depth = overlap.penetration.depth_m().unwrap_or(f64::INFINITY);
+        let pressed = pressed.get_or_init(|| PressedBlocks::of(state));
+        let yields = least_thickness(pair.map(|k| &blocks[k])).is_some_and(|thickness| {
+            let size = set.penetration.approximate().min(thickness / 2.0);
+            pressed.explain(pair, depth, overlap.penetration.way_out(), size)
+        });
+        (!yields).then_some(depth)
     };
     overlaps.par_iter().filter(|(_, depth)| *depth > harmless).filter_map(unseen).collect()
 }
