@@ -11,7 +11,7 @@ use rockproof_oracle::penetration::Penetration;
 use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_simulate::run::StepAnnotations;
 use rockproof_simulate::{AuditScope, PairDepth, StepAudit, StepPassages, Stepping};
-use rockproof_stepper::dynamics::{ClosedContacts, PressedBlocks, State, StepError, StepReport, least_thickness};
+use rockproof_stepper::dynamics::{ClosedContacts, PressedBlocks, State, StepError, StepReport, yielding_size};
 use rockproof_stepper::{Real, Vector};
 
 /// Pairs that f64 looks at in one thread: to wake others costs more.
@@ -94,7 +94,7 @@ impl<R: Real> AuditedRun<R> {
         let exactly = |&blocks: &[usize; 2]| unseen(screen, (set, see), blocks, (closed.between(blocks), &rounding));
         // Each takes long enough to be worth another thread.
         let unseen: Vec<UnseenOverlap> = open.par_iter().filter_map(exactly).collect();
-        let unseen = beyond_yielding(unseen, set, state);
+        let unseen = beyond_yielding(unseen, state);
         let floor = rounding_depth_of_size(&largest, Precision::F64);
         let bounded = candidates.into_iter().map(|candidate| candidate.overlap).collect();
         let deepest = deepest_beyond(screen, &self.set, bounded, &floor);
@@ -168,28 +168,27 @@ pub(crate) fn is_unseen<R: Real>(
     let rounding = rounding_depth_of_size(&largest, precision);
     let closed_see = scope == AuditScope::Overlaps;
     let found = unseen(&screen, (set, closed_see), blocks, (ClosedContacts::of(state).between(blocks), &rounding));
-    !beyond_yielding(found.into_iter().collect(), set, state).is_empty()
+    !beyond_yielding(found.into_iter().collect(), state).is_empty()
 }
 
 /// An overlap by more than rounding where no contact sees it.
 struct UnseenOverlap {
     blocks: [usize; 2],
     penetration: Penetration,
-    /// What neither block is thinner than (m); `None` where one is not convex.
-    thickness: Option<f64>,
+    /// As of [`yielding_size`].
+    size: Option<f64>,
 }
 
 /// Those of unseen overlaps that are more than springs of other contacts yield.
-fn beyond_yielding<R: Real>(unseen: Vec<UnseenOverlap>, set: &ToleranceSet, state: &State<R>) -> Vec<PairDepth> {
+fn beyond_yielding<R: Real>(unseen: Vec<UnseenOverlap>, state: &State<R>) -> Vec<PairDepth> {
     if unseen.is_empty() {
         return Vec::new();
     }
-    let (pressed, penetration) = (PressedBlocks::of(state), set.penetration.approximate());
+    let pressed = PressedBlocks::of(state);
     let beyond = |found: &UnseenOverlap| {
         let pair = pair_depth(found.blocks, &found.penetration);
-        let yields = found.thickness.is_some_and(|thickness| {
-            pressed.explain(pair.blocks, pair.depth_m, found.penetration.way_out(), penetration.min(thickness / 2.0))
-        });
+        let way_out = found.penetration.way_out();
+        let yields = found.size.is_some_and(|size| pressed.explain(pair.blocks, pair.depth_m, way_out, size));
         (!yields).then_some(pair)
     };
     unseen.iter().filter_map(beyond).collect()
@@ -211,8 +210,10 @@ fn unseen(
         return None;
     }
     let overlap = Auditor::new(&prepared, set).pair_with_kept([0, 1], &kept).overlap?;
-    let thickness = least_thickness(prepared.each_ref().map(PreparedBlock::block));
-    overlap.is_unseen(rounding).then_some(UnseenOverlap { blocks, penetration: overlap.penetration, thickness })
+    overlap.is_unseen(rounding).then(|| {
+        let size = yielding_size(prepared.each_ref().map(PreparedBlock::block), set.penetration.approximate());
+        UnseenOverlap { blocks, penetration: overlap.penetration, size }
+    })
 }
 
 /// The deepest of some pairs, exactly, of equal ones the first; none where none is deeper than `floor`.

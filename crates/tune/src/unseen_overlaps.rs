@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use rockproof_model::{Block, ContactKey, Precision, ToleranceSet};
 use rockproof_oracle::audit::{Auditor, rounding_depth};
 use rockproof_oracle::{Pair, PreparedBlock};
-use rockproof_stepper::dynamics::{ClosedContacts, PressedBlocks, Solve, State, least_thickness};
+use rockproof_stepper::dynamics::{ClosedContacts, PressedBlocks, Solve, State, yielding_size};
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
 
@@ -58,10 +58,8 @@ pub(super) fn unseen_depths<R: Solve>(
             Auditor::new(&both, set).unseen_with_kept([0, 1], &kept).filter(|found| found.is_unseen(&rounding))?;
         let depth = overlap.penetration.depth_m().unwrap_or(f64::INFINITY);
         let pressed = pressed.get_or_init(|| PressedBlocks::of(state));
-        let yields = least_thickness(pair.map(|k| &blocks[k])).is_some_and(|thickness| {
-            let size = set.penetration.approximate().min(thickness / 2.0);
-            pressed.explain(pair, depth, overlap.penetration.way_out(), size)
-        });
+        let size = yielding_size(pair.map(|k| &blocks[k]), set.penetration.approximate());
+        let yields = size.is_some_and(|size| pressed.explain(pair, depth, overlap.penetration.way_out(), size));
         (!yields).then_some(depth)
     };
     overlaps.par_iter().filter(|(_, depth)| *depth > harmless).filter_map(unseen).collect()

@@ -52,7 +52,7 @@ pub use double_steps::{DoubleDecisions, DoubleSteps};
 pub use filtered_contacts::BlockContacts;
 pub use neighbour_list::skin;
 pub use prescribed::{PrescribedAttempt, PrescribedStep};
-pub use pressed_blocks::{PressedBlocks, least_thickness};
+pub use pressed_blocks::{PressedBlocks, yielding_size};
 pub use report::{IterationTimes, ModeChange, Retry, RetryReason, StepError, StepReport};
 pub use rockproof_model::simulation::Skips;
 pub use setup::{SetupError, StepLimits};

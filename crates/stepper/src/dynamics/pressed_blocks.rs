@@ -43,8 +43,7 @@ impl PressedBlocks {
 
     /// Whether an overlap of a pair that no contact sees is the yielding of its neighbours' springs, given the way on which the first block gets free, of any
     /// length. It is less than a tenth of what closed contacts press both blocks into others, and less than a thousandth of `size` (all m); and each
-    /// block has a contact with another one that is no further open than that and pushes it out, by 60° at most from its way. `size` must be so small that
-    /// blocks which overlap by a thousandth of it are not past one another ([`least_thickness`]).
+    /// block has a contact with another one that is no further open than that and pushes it out, by 60° at most from its way. `size` is that of [`yielding_size`].
     ///
     /// # Panics
     /// When there is no block of one of the numbers.
@@ -71,9 +70,10 @@ impl PressedBlocks {
     }
 }
 
-/// A length (m) that neither of two convex blocks is thinner than, volume over the square of the diagonal of its box; `None` where one is not convex: the depth of
-/// such a pair is no way out, however far the blocks are in one another.
-pub fn least_thickness(blocks: [&Block; 2]) -> Option<f64> {
+/// What an overlap of two blocks that [`PressedBlocks::explain`] may explain is measured by: `penetration`, or half of a length that neither is thinner than (volume over
+/// the square of the diagonal of its box) where that is less (all m). `None` where one is not convex: the depth of such a pair is no way out, however far the
+/// blocks are in one another.
+pub fn yielding_size(blocks: [&Block; 2], penetration: f64) -> Option<f64> {
     let thickness = |block: &Block| {
         let bounds = block.bounds();
         let side =
@@ -82,7 +82,7 @@ pub fn least_thickness(blocks: [&Block; 2]) -> Option<f64> {
         block.is_convex().then(|| Number::from_rational(block.volume()).approximate() / dot(sides, sides))
     };
     let [one, two] = blocks.map(thickness);
-    Some(one?.min(two?))
+    Some(penetration.min(one?.min(two?) / 2.0))
 }
 
 fn dot(one: [f64; 3], two: [f64; 3]) -> f64 {
