@@ -14,6 +14,6 @@ mod subtrees;
 
 pub use elimination_order::{Graph, Renumbered, elimination_order};
 pub use factor::{Fill, Singular};
-pub use pattern::{BlockSlot, Pattern};
+pub use pattern::{BlockSlot, Pattern, PatternEntry};
 pub use scalar::Scalar;
 pub use subtrees::Threads;

@@ -63,6 +63,17 @@ pub struct BlockSlot {
     pub stride: usize,
 }
 
+/// An entry of the lower triangle: of two unknowns, of which the row's is not the earlier one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PatternEntry {
+    /// The row.
+    pub row: usize,
+    /// The column.
+    pub column: usize,
+    /// Where its value stands.
+    pub place: usize,
+}
+
 /// A panel on the way, and how many of its values are no zeros.
 struct PanelDraft {
     nodes: [u32; 2],
@@ -288,22 +299,29 @@ impl Pattern {
         self.panels.len()
     }
 
+    /// The entries of the lower triangle that have a place among the values, panel by panel and column by column.
+    pub fn entries(&self) -> impl Iterator<Item = PatternEntry> + '_ {
+        let columns = self.panels.iter().flat_map(|panel| (0..panel.width).map(move |column| (panel, column)));
+        columns.flat_map(|(panel, column)| {
+            let own = (column..panel.width).map(|row| (row, panel.begin + row));
+            let later = self.below(panel).iter().flat_map(|below| {
+                let node = self.unknowns(below.node as usize);
+                node.enumerate().map(|(k, unknown)| (below.row as usize + k, unknown))
+            });
+            own.chain(later).map(move |(row, unknown)| PatternEntry {
+                row: unknown,
+                column: panel.begin + column,
+                place: panel.values + column * panel.height + row,
+            })
+        })
+    }
+
     /// The values of the whole lower triangle, row by row.
     pub fn square<R: Copy>(&self, values: &[R], zero: R) -> Vec<R> {
         let size = self.size();
         let mut square = vec![zero; size * size];
-        for panel in &self.panels {
-            for column in 0..panel.width {
-                let inner = &values[panel.values + column * panel.height..][..panel.height];
-                let own = (column..panel.width).map(|row| (row, panel.begin + row));
-                let later = self.below(panel).iter().flat_map(|below| {
-                    let node = self.unknowns(below.node as usize);
-                    node.enumerate().map(|(k, unknown)| (below.row as usize + k, unknown))
-                });
-                for (row, unknown) in own.chain(later) {
-                    square[unknown * size + panel.begin + column] = inner[row];
-                }
-            }
+        for PatternEntry { row, column, place } in self.entries() {
+            square[row * size + column] = values[place];
         }
         square
     }

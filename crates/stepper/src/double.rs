@@ -11,6 +11,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::dynamics::Enclosing;
 use crate::real::Real;
 use crate::wide::{Wide, count_one_unsettled, is_given_up};
 use rockproof_model::Number;
@@ -114,6 +115,18 @@ impl Double {
             count_one_unsettled();
         }
         sign
+    }
+}
+
+impl Enclosing for Double {
+    fn radius_bound(self) -> f64 {
+        self.radius
+    }
+    fn with_radius(self, radius: f64) -> Double {
+        Double::around((self.high, self.low), radius)
+    }
+    fn is_exact_zero(self) -> bool {
+        self.is_exact_zero()
     }
 }
 

@@ -20,6 +20,7 @@ mod digits;
 mod radius;
 
 use self::digits::{DIGIT, Fraction, Long, MAX_DIGITS};
+use crate::dynamics::Enclosing;
 use num_bigint::{BigInt, Sign as BigSign};
 use num_rational::BigRational;
 use rockproof_model::Number;
@@ -513,6 +514,19 @@ impl Wide {
     /// Whether the sign is certain.
     fn is_settled(&self) -> bool {
         self.is_exact() || self.radius < self.at_least()
+    }
+}
+
+impl Enclosing for Wide {
+    fn radius_bound(self) -> f64 {
+        radius::shifted(self.radius, self.exponent)
+    }
+    fn with_radius(self, radius: f64) -> Wide {
+        let middle = if self.is_zero() { Wide::EXACT_ZERO } else { Wide { radius: radius::EXACT, ..self } };
+        middle.widened(radius, 0)
+    }
+    fn is_exact_zero(self) -> bool {
+        self.is_exact_zero()
     }
 }
 

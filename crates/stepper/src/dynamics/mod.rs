@@ -4,7 +4,8 @@
 //! before (`transfer.rs`), and tries: `attempt.rs` is the open–close iteration at one Δt, `step.rs` cuts Δt until an attempt is good, and
 //! moves the blocks (`kinematics.rs`). `contact.rs` is a contact's springs, `step_rules.rs` every comparison. Of the system of equations
 //! `island.rs` finds what is solved together, `layout.rs` where its unknowns stand, `system.rs` which contact bears on which block; `assembly.rs`
-//! adds up the matrix, `rockproof_cholesky` makes its factor and solves by it; `solve.rs` says so of each scalar, and holds what solves small systems.
+//! adds up the matrix, `rockproof_cholesky` makes its factor and solves by it; `solve.rs` says so of each scalar, and holds what solves small systems;
+//! `enclosed_solve.rs` solves large ones in scalars with a bound on their errors.
 
 mod area;
 mod assembly;
@@ -19,6 +20,7 @@ mod control;
 mod decided;
 pub mod displacement;
 mod double_steps;
+mod enclosed_solve;
 mod filtered_contacts;
 mod friction;
 mod groups;
@@ -49,6 +51,7 @@ mod update;
 pub use closed_contacts::ClosedContacts;
 pub use decided::DecidedStep;
 pub use double_steps::{DoubleDecisions, DoubleSteps};
+pub(crate) use enclosed_solve::Enclosing;
 pub use filtered_contacts::BlockContacts;
 pub use neighbour_list::skin;
 pub use prescribed::{PrescribedAttempt, PrescribedStep};

@@ -2,6 +2,7 @@
 
 use crate::double::Double;
 use crate::dynamics::compiled::CompiledSteps;
+use crate::dynamics::enclosed_solve::solve_enclosed;
 use crate::real::Real;
 use crate::wide::Wide;
 use rockproof_cholesky::{Fill, Pattern, Scalar, Singular, Threads};
@@ -97,7 +98,10 @@ macro_rules! solve_without_zeros {
             }
 
             fn substitute(pattern: &Pattern, values: &[Self], rhs: &mut [Self]) -> Result<(), Singular> {
-                dense_without(Self::is_exact_zero, pattern, values, rhs)
+                match solve_enclosed(pattern, values, rhs) {
+                    Some(()) => Ok(()),
+                    None => dense_without(Self::is_exact_zero, pattern, values, rhs),
+                }
             }
         }
     };
