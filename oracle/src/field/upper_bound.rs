@@ -40,6 +40,11 @@ impl UpperBound {
         UpperBound { significand: significand >> zeros, exponent: exponent + i64::from(zeros) }
     }
 
+    /// At least `size · 2^exponent`: the same as of the integer.
+    pub(crate) fn of_short(size: u128, exponent: i64) -> UpperBound {
+        UpperBound::fitted(size, exponent)
+    }
+
     /// At least `|value| · 2^exponent`.
     pub(crate) fn of_integer(value: &BigInt, exponent: i64) -> UpperBound {
         let bits = value.bits();

@@ -1,5 +1,8 @@
 //! Balls of as many bits as asked for: a binary number and an upper bound of its distance from the exact value.
 
+mod significand;
+
+use self::significand::{Significand, Uncut};
 use super::{Field, Halve, UpperBound, dyadic};
 use num_bigint::BigInt;
 use num_integer::Integer;
@@ -14,7 +17,7 @@ use rockproof_model::{Number, Ring, Sign};
 /// so sums and products of short numbers keep the radius zero.
 #[derive(Clone, Debug)]
 pub(crate) struct WideBall {
-    significand: BigInt,
+    significand: Significand,
     exponent: i64,
     radius: UpperBound,
     bits: u32,
@@ -28,7 +31,7 @@ const LEAST_BITS: u32 = 64;
 impl WideBall {
     /// The number `significand · 2^exponent` itself.
     pub(crate) fn exactly(significand: BigInt, exponent: i64, bits: u32) -> WideBall {
-        WideBall { significand, exponent, radius: UpperBound::ZERO, bits }
+        WideBall { significand: Significand::from(significand), exponent, radius: UpperBound::ZERO, bits }
     }
 
     /// The f64 itself; it must be finite.
@@ -38,21 +41,26 @@ impl WideBall {
     }
 
     /// Cuts a result to its bits.
-    fn cut(mut self) -> WideBall {
-        let length = self.significand.bits() as i64;
-        let mut excess = length - i64::from(self.bits.max(LEAST_BITS));
-        if let Some(top) = self.radius.top() {
-            excess = excess.max(top - GUARD - self.exponent);
+    fn cut(uncut: Uncut, mut exponent: i64, mut radius: UpperBound, bits: u32) -> WideBall {
+        let length = uncut.bits();
+        let mut excess = length - i64::from(bits.max(LEAST_BITS));
+        if let Some(top) = radius.top() {
+            excess = excess.max(top - GUARD - exponent);
         }
-        if excess > 0 && length > 0 {
-            let excess = excess.min(length);
-            if self.significand.trailing_zeros().is_some_and(|zeros| (zeros as i64) < excess) {
-                self.radius = self.radius.plus(UpperBound::power_of_two(self.exponent + excess));
+        excess = if length > 0 { excess.clamp(0, length) } else { 0 };
+        if excess > 0 {
+            if uncut.ends_in_ones(excess) {
+                radius = radius.plus(UpperBound::power_of_two(exponent + excess));
             }
-            self.significand >>= excess as usize;
-            self.exponent += excess;
+            exponent += excess;
         }
-        self
+        WideBall { significand: uncut.without(excess), exponent, radius, bits }
+    }
+
+    /// The same, of a middle that is there already.
+    fn shortened(self) -> WideBall {
+        let WideBall { significand, exponent, radius, bits } = self;
+        WideBall::cut(significand.sum(0, &Significand::ZERO, 0, false), exponent, radius, bits)
     }
 
     /// The exact number in the middle.
@@ -72,7 +80,7 @@ impl WideBall {
 
     /// At least the size of every value enclosed.
     pub(crate) fn size(&self) -> UpperBound {
-        UpperBound::of_integer(&self.significand, self.exponent).plus(self.radius)
+        self.significand.upper_bound(self.exponent).plus(self.radius)
     }
 
     /// The radius alone.
@@ -82,13 +90,13 @@ impl WideBall {
 
     /// The place of the middle's leading bit; `None` for a middle of zero.
     pub(crate) fn top(&self) -> Option<i64> {
-        (!self.significand.is_zero()).then(|| self.exponent + self.significand.bits() as i64)
+        (!self.significand.is_zero()).then(|| self.exponent + self.significand.bits())
     }
 
     /// The middle divided by `2^scale`, as the nearest f64 or one beside it; it must be within f64's range.
     pub(crate) fn scaled_f64(&self, scale: i64) -> f64 {
-        let excess = (self.significand.bits() as i64 - 62).max(0);
-        let short = (&self.significand >> excess as usize).to_i64().unwrap_or(0);
+        let excess = (self.significand.bits() - 62).max(0);
+        let short = (self.significand.integer().as_ref() >> excess as usize).to_i64().unwrap_or(0);
         let exponent = (self.exponent + excess - scale).clamp(-2_000, 2_000) as i32;
         let half = exponent / 2;
         short as f64 * 2f64.powi(half) * 2f64.powi(exponent - half)
@@ -97,9 +105,9 @@ impl WideBall {
     /// The middle's size less the radius in units of `2^exponent`, with that exponent. The units are far below the middle, however
     /// few its bits: rounding the radius up to a whole one must not use a short middle up.
     fn least(&self) -> (BigInt, i64) {
-        let shift = (i64::from(LEAST_BITS) - self.significand.bits() as i64).max(0);
+        let shift = (i64::from(LEAST_BITS) - self.significand.bits()).max(0);
         let exponent = self.exponent - shift;
-        let size = BigInt::from(self.significand.magnitude() << shift as usize);
+        let size = BigInt::from(self.significand.integer().magnitude() << shift as usize);
         (size - self.radius.in_units(exponent), exponent)
     }
 
@@ -113,7 +121,7 @@ impl WideBall {
 
     fn sum(&self, other: &WideBall, negate: bool) -> WideBall {
         let bits = self.bits_with(other);
-        let signed = |v: &BigInt| if negate { -v } else { v.clone() };
+        let signed = |v: &Significand| if negate { v.negated() } else { v.clone() };
         if other.is_exact_zero() {
             return WideBall { bits, ..self.clone() };
         }
@@ -125,13 +133,13 @@ impl WideBall {
         let reach = 2 * i64::from(bits.max(LEAST_BITS)) + 64;
         match (self.top(), other.top()) {
             (Some(mine), Some(theirs)) if mine - theirs > reach && self.exponent > theirs => {
-                let lost = UpperBound::of_integer(&other.significand, other.exponent);
-                return WideBall { radius: radius.plus(lost), bits, ..self.clone() }.cut();
+                let lost = other.significand.upper_bound(other.exponent);
+                return WideBall { radius: radius.plus(lost), bits, ..self.clone() }.shortened();
             }
             (Some(mine), Some(theirs)) if theirs - mine > reach && other.exponent > mine => {
-                let lost = UpperBound::of_integer(&self.significand, self.exponent);
+                let lost = self.significand.upper_bound(self.exponent);
                 let significand = signed(&other.significand);
-                return WideBall { significand, exponent: other.exponent, radius: radius.plus(lost), bits }.cut();
+                return WideBall { significand, exponent: other.exponent, radius: radius.plus(lost), bits }.shortened();
             }
             _ => {}
         }
@@ -140,21 +148,9 @@ impl WideBall {
             (false, true) => self.exponent,
             _ => self.exponent.min(other.exponent),
         };
-        // Zero need not be moved, and one of two others is in its place already.
-        let moved = |ball: &WideBall| {
-            let is_moved = ball.exponent != exponent && !ball.significand.is_zero();
-            is_moved.then(|| &ball.significand << (ball.exponent - exponent) as usize)
-        };
-        let (mine, theirs) = (&self.significand, &other.significand);
-        let significand = match (moved(self), moved(other), negate) {
-            (None, None, false) => mine + theirs,
-            (None, None, true) => mine - theirs,
-            (Some(moved), _, false) => moved + theirs,
-            (Some(moved), _, true) => moved - theirs,
-            (None, Some(moved), false) => mine + moved,
-            (None, Some(moved), true) => mine - moved,
-        };
-        WideBall { significand, exponent, radius, bits }.cut()
+        let shifts = [self.exponent - exponent, other.exponent - exponent];
+        let uncut = self.significand.sum(shifts[0], &other.significand, shifts[1], negate);
+        WideBall::cut(uncut, exponent, radius, bits)
     }
 }
 
@@ -176,7 +172,7 @@ impl Ring for WideBall {
         if self.is_exact_zero() || other.is_exact_zero() {
             return WideBall::exactly(BigInt::zero(), 0, bits);
         }
-        let size = |ball: &WideBall| UpperBound::of_integer(&ball.significand, ball.exponent);
+        let size = |ball: &WideBall| ball.significand.upper_bound(ball.exponent);
         let mut radius = self.radius.times(other.radius);
         if !other.radius.is_zero() {
             radius = radius.plus(size(self).times(other.radius));
@@ -184,12 +180,11 @@ impl Ring for WideBall {
         if !self.radius.is_zero() {
             radius = radius.plus(size(other).times(self.radius));
         }
-        let significand = &self.significand * &other.significand;
-        WideBall { significand, exponent: self.exponent + other.exponent, radius, bits }.cut()
+        WideBall::cut(self.significand.times(&other.significand), self.exponent + other.exponent, radius, bits)
     }
 
     fn negated(&self) -> Self {
-        WideBall { significand: -&self.significand, ..self.clone() }
+        WideBall { significand: self.significand.negated(), ..self.clone() }
     }
 }
 
@@ -220,13 +215,13 @@ impl Field for WideBall {
         if self.is_exact_zero() {
             return Some(self.clone());
         }
-        if !(self.significand.is_positive() && self.least().0.is_positive()) {
+        if !(self.significand.sign().is_positive() && self.least().0.is_positive()) {
             return None;
         }
         let wanted = 2 * i64::from(self.bits.max(LEAST_BITS)) + 4;
-        let mut shift = (wanted - self.significand.bits() as i64).max(0);
+        let mut shift = (wanted - self.significand.bits()).max(0);
         shift += (self.exponent - shift).rem_euclid(2);
-        let widened = &self.significand << shift as usize;
+        let widened = self.significand.integer().as_ref() << shift as usize;
         let root = widened.sqrt();
         let exponent = (self.exponent - shift) / 2;
         let mut radius = UpperBound::ZERO;
@@ -237,18 +232,18 @@ impl Field for WideBall {
             // |√x − √m| ≤ r/√m; the integer root, above zero, bounds √m from below.
             radius = radius.plus(self.radius.over(floor(&root, exponent))?);
         }
-        Some(WideBall { significand: root, exponent, radius, bits: self.bits }.cut())
+        Some(WideBall::cut(Uncut::Long(root), exponent, radius, self.bits))
     }
 
     fn certain_sign(&self) -> Option<Sign> {
         if self.radius.is_zero() || self.least().0.is_positive() {
-            return Some(rockproof_model::ring::ExactRing::sign(&self.significand));
+            return Some(self.significand.sign());
         }
         None
     }
 
     fn middle(&self) -> BigRational {
-        dyadic(self.significand.clone(), self.exponent)
+        dyadic(self.significand.integer().into_owned(), self.exponent)
     }
 
     fn radius(&self) -> Option<UpperBound> {
@@ -290,8 +285,9 @@ fn quotient(a: &WideBall, b: &WideBall, bits: u32) -> Option<WideBall> {
         return Some(WideBall::exactly(BigInt::zero(), 0, bits));
     }
     let wanted = i64::from(bits.max(LEAST_BITS)) + 2;
-    let shift = (wanted + b.significand.bits() as i64 - a.significand.bits() as i64).max(0);
-    let (significand, rest) = (&a.significand << shift as usize).div_rem(&b.significand);
+    let shift = (wanted + b.significand.bits() - a.significand.bits()).max(0);
+    let numerator = a.significand.integer().as_ref() << shift as usize;
+    let (significand, rest) = numerator.div_rem(b.significand.integer().as_ref());
     let exponent = a.exponent - shift - b.exponent;
     let mut radius = if rest.is_zero() { UpperBound::ZERO } else { UpperBound::power_of_two(exponent) };
     if !a.radius.is_zero() || !b.radius.is_zero() {
@@ -299,5 +295,5 @@ fn quotient(a: &WideBall, b: &WideBall, bits: u32) -> Option<WideBall> {
         let size = UpperBound::of_integer(&significand, exponent).plus(UpperBound::power_of_two(exponent));
         radius = radius.plus(a.radius.plus(size.times(b.radius)).over(floor(&least, unit))?);
     }
-    Some(WideBall { significand, exponent, radius, bits }.cut())
+    Some(WideBall::cut(Uncut::Long(significand), exponent, radius, bits))
 }

@@ -1,0 +1,284 @@
+//! Integers as significands: up to 128 bits in place, longer ones on the heap.
+
+use crate::field::UpperBound;
+use num_bigint::BigInt;
+use num_traits::{Signed, Zero};
+use rockproof_model::Sign;
+use rockproof_model::ring::ExactRing;
+use std::borrow::Cow;
+
+/// An integer.
+#[derive(Clone, Debug)]
+pub(super) enum Significand {
+    /// One of up to 128 bits; zero is not negative.
+    Short { negative: bool, size: u128 },
+    /// A longer one.
+    Long(BigInt),
+}
+
+/// A sum or product before it is cut.
+pub(super) enum Uncut {
+    /// `±(high · 2¹²⁸ + low)`.
+    Double { negative: bool, high: u128, low: u128 },
+    /// One that may be longer.
+    Long(BigInt),
+}
+
+const WIDTH: u32 = u128::BITS;
+
+impl Significand {
+    pub(super) const ZERO: Significand = Significand::Short { negative: false, size: 0 };
+
+    fn short(negative: bool, size: u128) -> Significand {
+        Significand::Short { negative: negative && size != 0, size }
+    }
+
+    /// As `num_bigint` has it.
+    pub(super) fn integer(&self) -> Cow<'_, BigInt> {
+        match self {
+            Significand::Short { negative, size } => {
+                let size = BigInt::from(*size);
+                Cow::Owned(if *negative { -size } else { size })
+            }
+            Significand::Long(value) => Cow::Borrowed(value),
+        }
+    }
+
+    pub(super) fn is_zero(&self) -> bool {
+        matches!(self, Significand::Short { size: 0, .. })
+    }
+
+    pub(super) fn sign(&self) -> Sign {
+        match self {
+            Significand::Short { size: 0, .. } => Sign::Zero,
+            Significand::Short { negative: true, .. } => Sign::Negative,
+            Significand::Short { .. } => Sign::Positive,
+            Significand::Long(value) => ExactRing::sign(value),
+        }
+    }
+
+    /// Bits of its size.
+    pub(super) fn bits(&self) -> i64 {
+        match self {
+            Significand::Short { size, .. } => i64::from(WIDTH - size.leading_zeros()),
+            Significand::Long(value) => value.bits() as i64,
+        }
+    }
+
+    pub(super) fn negated(&self) -> Significand {
+        match self {
+            Significand::Short { negative, size } => Significand::short(!negative, *size),
+            Significand::Long(value) => Significand::Long(-value),
+        }
+    }
+
+    /// At least its size times `2^exponent`.
+    pub(super) fn upper_bound(&self, exponent: i64) -> UpperBound {
+        match self {
+            Significand::Short { size, .. } => UpperBound::of_short(*size, exponent),
+            Significand::Long(value) => UpperBound::of_integer(value, exponent),
+        }
+    }
+
+    pub(super) fn times(&self, other: &Significand) -> Uncut {
+        match (self, other) {
+            (Significand::Short { negative: a, size: one }, Significand::Short { negative: b, size: two }) => {
+                let [high, low] = product(*one, *two);
+                Uncut::Double { negative: a != b, high, low }
+            }
+            _ => Uncut::Long(self.integer().as_ref() * other.integer().as_ref()),
+        }
+    }
+
+    /// `self · 2^shift ± other · 2^other_shift`; shifts of zeros may be anything, others are not negative.
+    pub(super) fn sum(&self, shift: i64, other: &Significand, other_shift: i64, negate: bool) -> Uncut {
+        if let (Some(one), Some(two)) = (self.moved(shift), other.moved(other_shift)) {
+            return Uncut::sum(one, (two.0 != negate, two.1));
+        }
+        let moved = |value: &Significand, shift: i64| {
+            let shift = if value.is_zero() { 0 } else { shift };
+            value.integer().as_ref() << shift as usize
+        };
+        let (one, two) = (moved(self, shift), moved(other, other_shift));
+        Uncut::Long(if negate { one - two } else { one + two })
+    }
+
+    /// Its sign, and its size times `2^shift` in two halves, where that is below 2²⁵⁵.
+    fn moved(&self, shift: i64) -> Option<(bool, [u128; 2])> {
+        match *self {
+            Significand::Short { size: 0, .. } => Some((false, [0, 0])),
+            Significand::Short { negative, size } if shift == 0 => Some((negative, [0, size])),
+            Significand::Short { negative, size } if shift < i64::from(WIDTH) => {
+                Some((negative, [size >> (i64::from(WIDTH) - shift), size << shift]))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl From<BigInt> for Significand {
+    fn from(value: BigInt) -> Significand {
+        match u128::try_from(value.magnitude()) {
+            Ok(size) => Significand::short(value.is_negative(), size),
+            Err(_) => Significand::Long(value),
+        }
+    }
+}
+
+impl Uncut {
+    /// Of two signed sizes below 2²⁵⁵.
+    fn sum((a, one): (bool, [u128; 2]), (b, two): (bool, [u128; 2])) -> Uncut {
+        if a == b {
+            let (low, carry) = one[1].overflowing_add(two[1]);
+            return Uncut::Double { negative: a, high: one[0] + two[0] + u128::from(carry), low };
+        }
+        let (negative, large, small) = if one >= two { (a, one, two) } else { (b, two, one) };
+        let (low, borrow) = large[1].overflowing_sub(small[1]);
+        Uncut::Double { negative, high: large[0] - small[0] - u128::from(borrow), low }
+    }
+
+    /// Bits of its size.
+    pub(super) fn bits(&self) -> i64 {
+        match self {
+            Uncut::Double { high: 0, low, .. } => i64::from(WIDTH - low.leading_zeros()),
+            Uncut::Double { high, .. } => i64::from(2 * WIDTH - high.leading_zeros()),
+            Uncut::Long(value) => value.bits() as i64,
+        }
+    }
+
+    /// Whether the last bits, so many, are not all zero.
+    pub(super) fn ends_in_ones(&self, bits: i64) -> bool {
+        match *self {
+            Uncut::Double { high: 0, low: 0, .. } => false,
+            Uncut::Double { high, low: 0, .. } => i64::from(WIDTH + high.trailing_zeros()) < bits,
+            Uncut::Double { low, .. } => i64::from(low.trailing_zeros()) < bits,
+            Uncut::Long(ref value) => value.trailing_zeros().is_some_and(|zeros| (zeros as i64) < bits),
+        }
+    }
+
+    /// Without its last bits, so many: the largest integer not above its quotient.
+    pub(super) fn without(self, bits: i64) -> Significand {
+        if let Uncut::Double { negative, high, low } = self {
+            let rounds_up = negative && self.ends_in_ones(bits);
+            let [high, low] = match bits {
+                0 => [high, low],
+                1..128 => [high >> bits, (low >> bits) | (high << (128 - bits))],
+                128..256 => [0, high >> (bits - 128)],
+                _ => [0, 0],
+            };
+            if high == 0
+                && let Some(size) = low.checked_add(u128::from(rounds_up))
+            {
+                return Significand::short(negative, size);
+            }
+            let size = (BigInt::from(high) << WIDTH) + low + u128::from(rounds_up);
+            return Significand::from(if negative { -size } else { size });
+        }
+        let Uncut::Long(value) = self else { return Significand::ZERO };
+        Significand::from(value >> bits as usize)
+    }
+}
+
+/// The product of two in two halves, the upper one first.
+fn product(one: u128, two: u128) -> [u128; 2] {
+    let halves = |value: u128| [value >> 64, value & u128::from(u64::MAX)];
+    let ([a, b], [c, d]) = (halves(one), halves(two));
+    let low = b * d;
+    // Below 2¹²⁸: (2⁶⁴ − 1)² + 2·(2⁶⁴ − 1).
+    let first = a * d + (low >> 64);
+    let second = b * c + (first & u128::from(u64::MAX));
+    [a * c + (first >> 64) + (second >> 64), (second << 64) | (low & u128::from(u64::MAX))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Integers of up to 140 bits, many with long runs of equal bits, and the least and largest of each kind.
+    fn integers() -> impl Strategy<Value = BigInt> {
+        let size = prop_oneof![
+            any::<u128>(),
+            (any::<u128>(), 0u32..128).prop_map(|(value, shift)| value >> shift),
+            (any::<u128>(), 0u32..128).prop_map(|(value, shift)| value << shift),
+            (0u32..128, 0u32..128).prop_map(|(a, b)| (u128::MAX >> a) & (u128::MAX << b)),
+            Just(0),
+            Just(1),
+            Just(u128::MAX),
+        ];
+        (size, any::<bool>(), prop_oneof![Just(0u32), Just(0), Just(0), 1u32..12]).prop_map(|(size, negative, more)| {
+            let size = BigInt::from(size) << more;
+            if negative { -size } else { size }
+        })
+    }
+
+    fn value(uncut: Uncut) -> BigInt {
+        match uncut {
+            Uncut::Double { negative, high, low } => {
+                let size = (BigInt::from(high) << WIDTH) + low;
+                if negative { -size } else { size }
+            }
+            Uncut::Long(value) => value,
+        }
+    }
+
+    fn is_canonical(value: &Significand) -> bool {
+        match value {
+            Significand::Short { negative, size } => !(*negative && *size == 0),
+            Significand::Long(value) => value.bits() > u64::from(WIDTH),
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn what_is_in_place_is_what_is_on_the_heap(
+            a in integers(), b in integers(), up in 0i64..150, side in any::<bool>(), negate in any::<bool>(), cut in 0i64..280
+        ) {
+            let [one, two] = [&a, &b].map(|value| Significand::from(value.clone()));
+            prop_assert!(is_canonical(&one) && is_canonical(&two));
+            prop_assert_eq!(one.integer().into_owned(), a.clone());
+            prop_assert_eq!((one.bits(), one.is_zero(), one.sign()), (a.bits() as i64, a.is_zero(), ExactRing::sign(&a)));
+            prop_assert_eq!(one.negated().integer().into_owned(), -&a);
+            prop_assert!(is_canonical(&one.negated()));
+            for exponent in [-200, 0, 77] {
+                prop_assert_eq!(one.upper_bound(exponent), UpperBound::of_integer(&a, exponent));
+            }
+            let shifts = if side { [up, 0] } else { [0, up] };
+            let sum = || one.sum(shifts[0], &two, shifts[1], negate);
+            let [moved, other] = [&a << shifts[0] as usize, &b << shifts[1] as usize];
+            let expected = if negate { moved - other } else { moved + other };
+            let checks: [(&dyn Fn() -> Uncut, BigInt); 2] = [(&sum, expected), (&|| one.times(&two), &a * &b)];
+            for (made, expected) in checks {
+                prop_assert_eq!(value(made()), expected.clone());
+                prop_assert_eq!(made().bits(), expected.bits() as i64);
+                let zeros = expected.trailing_zeros();
+                prop_assert_eq!(made().ends_in_ones(cut), zeros.is_some_and(|zeros| (zeros as i64) < cut));
+                let shorter = made().without(cut);
+                prop_assert!(is_canonical(&shorter));
+                prop_assert_eq!(shorter.integer().into_owned(), expected >> cut as usize);
+            }
+        }
+    }
+
+    #[test]
+    fn a_zero_may_be_moved_anywhere() {
+        let three = Significand::from(BigInt::from(3));
+        assert_eq!(value(three.sum(2, &Significand::ZERO, -7, true)), BigInt::from(12));
+        assert_eq!(value(Significand::ZERO.sum(-7, &three, 1, true)), BigInt::from(-6));
+        let long = Significand::from(BigInt::from(1) << 200);
+        assert_eq!(value(Significand::ZERO.sum(-7, &long, 1, false)), BigInt::from(1) << 201);
+    }
+
+    /// Rounding down what is negative may take a bit more than there is room for.
+    #[test]
+    fn a_carry_out_of_what_is_in_place_goes_to_the_heap() {
+        let most = Significand::short(true, u128::MAX);
+        let twice = most.sum(1, &Significand::short(true, 1), 0, false);
+        let found = twice.without(1);
+        assert!(matches!(found, Significand::Long(_)));
+        let expected: BigInt = BigInt::from(-1) << 128;
+        assert_eq!(found.integer().into_owned(), expected);
+    }
+}
