@@ -65,8 +65,8 @@ use std::time::{Duration, Instant};
 
 A run can be interrupted or killed at any moment; --resume continues from its last checkpoint; the files are byte-identical.
 
-Exit status: 0 done, 1 rules violated, a run that cannot go on, blocks that overlap where no contact sees it or, with --audit, pass through one
-another within a step, 2 usage or input error, 130 interrupted (go on with --resume).")]
+Exit status: 0 done, 1 rules violated, a run that cannot go on, blocks that overlap where no contact sees it, by more than springs elsewhere
+explain, or, with --audit, pass through one another within a step, 2 usage or input error, 130 interrupted (go on with --resume).")]
 pub(crate) struct Simulate {
     #[arg(help = format!("Blocks and what moves them: .toml; or blocks alone: {}; or - for stdin", SceneFormat::listed(|format| format != SceneFormat::Toml)), value_hint = clap::ValueHint::FilePath)]
     scene: InputFile,
@@ -129,6 +129,7 @@ pub(crate) struct Simulate {
 
     /// Look within every step as well: do blocks pass through one another? After every step it is looked at anyway how deep blocks overlap,
     /// exactly, and whether a contact sees it. Exits with 1 where blocks pass through one another, or overlap unseen
+    /// by more than springs elsewhere explain
     #[arg(long)]
     audit: bool,
 
@@ -677,6 +678,9 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
             "steps_unseen": audit.steps_unseen,
             "most_unseen_pairs": audit.most_unseen,
             "worst_unseen": worst(audit.worst_unseen),
+            "steps_explained": audit.steps_explained,
+            "most_explained_pairs": audit.most_explained,
+            "worst_explained": worst(audit.worst_explained),
             "deepest": worst(audit.deepest),
             "steps_deep": audit.steps_deep,
             "steps_past_middle": audit.steps_past_middle,

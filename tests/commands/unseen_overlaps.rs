@@ -1,6 +1,7 @@
 //! Overlaps that no contact sees, as `check` and `simulate` tell them: which are passages and which are rounding.
 
 use crate::place::Place;
+use serde_json::Value;
 
 /// Two roofs, ridge on ridge and crossing at so small an angle that no contact is made of them, 9 mm in one another; the upper one's lid bent by 5 mm.
 fn crossing_roofs(bent: bool) -> String {
@@ -61,19 +62,155 @@ fn turned_box([low, high]: [[f64; 3]; 2], degrees: f64) -> String {
 }
 
 /// Eight rigid cubes face to face on a base, all turned: cubes that touch along edges alone overlap there by less than a nanometre, and no contact sees it.
-#[test]
-fn a_turned_stack_whose_springs_yield_is_sound() {
-    let place = Place::new();
+fn turned_stack() -> String {
     let mut scene = "[simulation]\ngravity = [0, 0, -10]\ntime_step = 0.01\n".to_owned();
     scene += &format!("\n[[block]]\nfixed = true\n{}", turned_box([[-1.0, -1.0, -1.0], [3.0, 3.0, 0.0]], 13.0));
     for k in 0..8 {
         let low = [k % 2, k / 2 % 2, k / 4].map(f64::from);
         scene += &format!("\n[[block]]\nmotion = \"rigid\"\n{}", turned_box([low, low.map(|c| c + 1.0)], 13.0));
     }
-    place.file("stack.toml", &scene);
-    let (code, out, err) = place.run(&["simulate", "stack.toml", "--audit", "--steps", "20", "--out", "run"]);
+    scene
+}
+
+/// The pairs that springs explain after each step of a run, as its `steps.csv` has them.
+fn explained_pairs(place: &Place, run: &str) -> Vec<u64> {
+    let rows = place.rows(&format!("{run}/steps.csv"));
+    rows.iter().map(|row| row["explained_pairs"].parse().expect("a count")).collect()
+}
+
+/// What is said of so many steps, given what springs explain after each, and of the worst such pair.
+fn explained_in_words(counts: &[u64], worst: &Value) -> String {
+    let steps = counts.iter().filter(|count| **count > 0).count();
+    let (most, all) = (counts.iter().max().expect("steps"), counts.len());
+    let [a, b] = [0, 1].map(|k| &worst["blocks"][k]);
+    let depth = worst["depth_m"].as_f64().expect("a depth");
+    format!(
+        "no unseen overlap but those that springs elsewhere explain (up to {most} pairs after {steps} of {all} steps, worst {a}–{b}, {depth:.3e} m, step {}) and no passage in {all} steps",
+        worst["step"]
+    )
+}
+
+#[test]
+fn a_turned_stack_whose_springs_yield_is_sound_and_what_they_explain_is_told() {
+    let place = Place::new();
+    place.file("stack.toml", &turned_stack());
+    let args = ["simulate", "stack.toml", "--audit", "--every", "3"];
+    let (code, out, err) = place.run(&[&args[..], &["--steps", "20", "--format", "json", "--out", "whole"]].concat());
     assert_eq!(code, 0, "{out}{err}");
-    assert!(out.contains("no unseen overlap and no passage in 20 steps"), "{out}");
+    let document: Value = serde_json::from_str(&out).expect("JSON");
+    let (audit, counts) = (&document["audit"], explained_pairs(&place, "whole"));
+    assert!(audit["objects"] == false && audit["steps_unseen"] == 0, "{audit}");
+    let steps = counts.iter().filter(|count| **count > 0).count();
+    let most = counts.iter().max().expect("steps");
+    assert!(steps > 1 && *most > 1, "{counts:?}");
+    assert_eq!((&audit["steps_explained"], &audit["most_explained_pairs"]), (&steps.into(), &(*most).into()));
+    let worst = &audit["worst_explained"];
+    let [depth, step] = ["depth_m", "step"].map(|key| worst[key].as_f64().expect("a number"));
+    assert!(0.0 < depth && depth < 1e-8 && counts[step as usize - 1] > 0, "{worst}");
+    // In two sessions as in one, in words too.
+    let parts = ["--resume", "--out", "parts", "--steps"];
+    assert_eq!(place.run(&[&args[..], &parts, &["4"]].concat()).0, 0);
+    let (code, out, err) = place.run(&[&args[..], &parts, &["20"]].concat());
+    let told = explained_in_words(&counts, worst);
+    assert!(code == 0 && out.contains(&format!("\naudit            {told}\n")), "{told} {out}{err}");
+    assert!(place.read("whole/steps.csv") == place.read("parts/steps.csv"));
+}
+
+#[test]
+fn a_report_tells_what_springs_explain() {
+    let place = Place::new();
+    place.file("stack.toml", &turned_stack());
+    for run in ["one", "two"] {
+        let (code, out, err) = place.run(&["simulate", "stack.toml", "--audit", "--steps", "5", "--out", run]);
+        assert_eq!(code, 0, "{out}{err}");
+    }
+    let (counts, run) = (explained_pairs(&place, "one"), serde_json::from_str::<Value>(&place.read("one/run.json")));
+    let worst = &run.expect("JSON")["totals"]["audit"]["worst_explained"];
+    // To know, as contacts did not see it.
+    let (code, out, err) = place.run(&["report", "one", "--format", "markdown"]);
+    let told = format!("- ℹ️ one: {};", explained_in_words(&counts, worst));
+    assert!(code == 0 && out.contains(&told), "{told} {out}{err}");
+    let (code, out, err) = place.run(&["report", "one", "two", "--format", "markdown"]);
+    let steps = counts.iter().filter(|count| **count > 0).count();
+    let told = format!(
+        "- ℹ️ No passage and no unseen overlap but those that springs elsewhere explain (after {} of 10 steps, at most ",
+        2 * steps
+    );
+    assert!(
+        code == 0 && out.contains(&told) && out.contains(" m, in one) in 10 audited steps of 2 of 2 runs."),
+        "{out}{err}"
+    );
+    assert_eq!(place.run(&["report", "one", "two", "--out", "page"]).0, 0);
+    let cells = ["steps_explained", "most_explained_pairs", "worst_explained", "worst_explained_m"];
+    let [a, b] = [0, 1].map(|k| &worst["blocks"][k]);
+    let (most, depth) = (counts.iter().max().expect("steps"), worst["depth_m"].as_f64().expect("a depth"));
+    for row in place.rows("page/tables/audit.csv") {
+        let [counted, pairs, blocks, depth_m] = cells.map(|column| row[column].clone());
+        assert_eq!([counted, pairs, blocks], [steps.to_string(), most.to_string(), format!("{a}-{b}")]);
+        assert_eq!(depth_m.parse(), Ok(depth));
+    }
+}
+
+/// `examine` makes the first steps of such a run.
+#[test]
+fn an_examination_tells_what_springs_explain() {
+    let place = Place::new();
+    place.file("stack.toml", &turned_stack());
+    assert_eq!(place.run(&["simulate", "stack.toml", "--audit", "--steps", "5", "--out", "run"]).0, 0);
+    let (counts, run) = (explained_pairs(&place, "run"), serde_json::from_str::<Value>(&place.read("run/run.json")));
+    let worst = &run.expect("JSON")["totals"]["audit"]["worst_explained"];
+    let (code, out, err) = place.run(&["examine", "stack.toml", "--no-tune", "--out", "examined"]);
+    let told = explained_in_words(&counts, worst);
+    assert!(
+        code == 0 && out.contains(&format!("  i steps      5 made, what the scene fixes held: {told};")),
+        "{told} {out}{err}"
+    );
+    let found: Value = serde_json::from_str(&place.read("examined/examine.json")).expect("JSON");
+    let steps = &found["given"]["steps"];
+    let is_worst = |pair: &Value| pair["blocks"] == worst["blocks"] && pair["depth_m"] == worst["depth_m"];
+    assert!(steps["explained"].as_array().is_some_and(|pairs| pairs.iter().any(is_worst)), "{steps}");
+    assert!(found["answer"] == "safe" && steps["unseen"] == Value::Array(Vec::new()), "{steps}");
+}
+
+/// The search steps the same blocks, looks for overlaps alone as `--audit` does of them, and tells the same.
+#[test]
+fn a_search_tells_what_springs_explain() {
+    let place = Place::new();
+    place.file("stack.toml", &turned_stack());
+    let (_, out, err) = place.run(&["tune", "stack.toml", "--candidates", "1", "--steps", "10", "--out", "found"]);
+    assert!(out.contains("Every rule is met"), "{out}{err}");
+    let row = &place.rows("found/candidates.csv")[0];
+    let [steps, pairs, depth] = ["steps_explained", "explained_pairs", "explained_m"].map(|column| &row[column]);
+    let depth: f64 = depth.parse().expect("a depth");
+    assert!(steps != "0" && pairs == "2" && row["steps_unseen"] == "0", "{row:?}");
+    let told = format!(
+        "Not counted are unseen overlaps that springs elsewhere explain: of up to 2 pairs after {steps} of 10 steps, {depth:.3e} m at most.\n"
+    );
+    assert!(out.contains(&told), "{told} {out}");
+    assert!(
+        out.contains(&format!("that springs elsewhere explain (pairs, depth) | {steps} (2, {depth:.3e} m) |\n")),
+        "{out}"
+    );
+    let args = [
+        "simulate",
+        "stack.toml",
+        "--audit",
+        "--steps",
+        "10",
+        "--tolerances",
+        "found/tolerances.toml",
+        "--format",
+        "json",
+        "--out",
+        "run",
+    ];
+    let document: Value = serde_json::from_str(&place.run(&args).1).expect("JSON");
+    let audit = &document["audit"];
+    assert_eq!(
+        (audit["steps_explained"].to_string(), audit["most_explained_pairs"].to_string()),
+        (steps.clone(), pairs.clone())
+    );
+    assert_eq!(audit["worst_explained"]["depth_m"], depth);
 }
 
 /// Two knives that stand on a floor under weights, edge at edge, the edges leaning against one another by so little that no contact is made of them; loads push them

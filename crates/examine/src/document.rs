@@ -94,6 +94,7 @@ fn steps(steps: &Steps) -> Value {
                 "stopped": made.stopped,
                 "passages": pairs(&made.passages),
                 "unseen": pairs(&made.unseen),
+                "explained": pairs(&made.explained),
                 "undecided_passages": made.totals.undecided,
             })
         }

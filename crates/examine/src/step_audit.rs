@@ -94,13 +94,13 @@ impl<R: Real> AuditedRun<R> {
         let exactly = |&blocks: &[usize; 2]| unseen(screen, (set, see), blocks, (closed.between(blocks), &rounding));
         // Each takes long enough to be worth another thread.
         let unseen: Vec<UnseenOverlap> = open.par_iter().filter_map(exactly).collect();
-        let unseen = beyond_yielding(unseen, state);
+        let (unseen, explained) = beyond_yielding(unseen, state);
         let floor = rounding_depth_of_size(&largest, Precision::F64);
         let bounded = candidates.into_iter().map(|candidate| candidate.overlap).collect();
         let deepest = deepest_beyond(screen, &self.set, bounded, &floor);
         let is_deep = deepest.is_some_and(|deepest| deepest.depth_m > self.set.penetration.approximate());
         let past_middle = past_middle(&self.shapes, &self.set, screen, state);
-        StepAudit { unseen, deepest, is_deep, past_middle, passages: None }
+        StepAudit { unseen, explained, deepest, is_deep, past_middle, passages: None }
     }
 
     /// Which pairs passed through one another. Only pairs whose boxes over the whole step meet are asked about.
@@ -168,7 +168,7 @@ pub(crate) fn is_unseen<R: Real>(
     let rounding = rounding_depth_of_size(&largest, precision);
     let closed_see = scope == AuditScope::Overlaps;
     let found = unseen(&screen, (set, closed_see), blocks, (ClosedContacts::of(state).between(blocks), &rounding));
-    !beyond_yielding(found.into_iter().collect(), state).is_empty()
+    !beyond_yielding(found.into_iter().collect(), state).0.is_empty()
 }
 
 /// An overlap by more than rounding where no contact sees it.
@@ -179,19 +179,20 @@ struct UnseenOverlap {
     size: Option<f64>,
 }
 
-/// Those of unseen overlaps that are more than springs of other contacts yield.
-fn beyond_yielding<R: Real>(unseen: Vec<UnseenOverlap>, state: &State<R>) -> Vec<PairDepth> {
+/// Of unseen overlaps those that are more than springs of other contacts explain, and those that these explain.
+fn beyond_yielding<R: Real>(unseen: Vec<UnseenOverlap>, state: &State<R>) -> (Vec<PairDepth>, Vec<PairDepth>) {
     if unseen.is_empty() {
-        return Vec::new();
+        return (Vec::new(), Vec::new());
     }
     let pressed = PressedBlocks::of(state);
-    let beyond = |found: &UnseenOverlap| {
+    let (mut beyond, mut explained) = (Vec::new(), Vec::new());
+    for found in unseen {
         let pair = pair_depth(found.blocks, &found.penetration);
         let way_out = found.penetration.way_out();
         let yields = found.size.is_some_and(|size| pressed.explain(pair.blocks, pair.depth_m, way_out, size));
-        (!yields).then_some(pair)
-    };
-    unseen.iter().filter_map(beyond).collect()
+        if yields { explained.push(pair) } else { beyond.push(pair) }
+    }
+    (beyond, explained)
 }
 
 /// A pair exactly: how it overlaps, if it does by more than rounding where no contact sees it; `closed_see` where closed contacts with h < 0 are enough.

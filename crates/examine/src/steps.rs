@@ -44,6 +44,8 @@ pub struct AuditedSteps {
     pub passages: BTreeMap<[usize; 2], f64>,
     /// Pairs that overlapped after a step where no contact saw it, with the greatest penetration (m).
     pub unseen: BTreeMap<[usize; 2], f64>,
+    /// Pairs that overlapped so by no more than springs of other contacts explain, after one step at least, with the greatest such penetration (m).
+    pub explained: BTreeMap<[usize; 2], f64>,
 }
 
 impl Steps {
@@ -110,6 +112,7 @@ fn make_in<R: Solve>(
         totals: AuditTotals::default(),
         passages: BTreeMap::new(),
         unseen: BTreeMap::new(),
+        explained: BTreeMap::new(),
     };
     let dynamics = match Dynamics::<R, SpecRules>::new(scene, set) {
         Ok(dynamics) => dynamics,
@@ -133,6 +136,7 @@ fn make_in<R: Solve>(
                     found.totals.add(report.step, &audit);
                     deepen(&mut found.passages, audit.passages.as_ref().map_or(&[], |passages| &passages.pairs));
                     deepen(&mut found.unseen, &audit.unseen);
+                    deepen(&mut found.explained, &audit.explained);
                 }
                 found.unconverged += u64::from(report.step > 0 && !report.converged);
                 let state = run.state();

@@ -299,7 +299,8 @@ fn steps(given: &Assessment) -> Line {
         Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),
         Steps::Made(made) => made,
     };
-    let is_good = given.tries_contacts() && made.unconverged == 0 && !given.steps.end_deep();
+    let explained = made.totals.steps_explained;
+    let is_good = given.tries_contacts() && made.unconverged == 0 && explained == 0 && !given.steps.end_deep();
     let severity = match (given.steps.find_fault(), is_good) {
         (true, _) => Severity::Bad,
         (false, true) => Severity::Good,

@@ -49,8 +49,8 @@ fn plainly<R: Solve>(
             closed_see && closed.iter().any(|contact| Pair::new(a, b).gap(&contact.entrance()).sign.is_negative());
         let yields = depth.depth_m
             < limit_of_yielding(set, state, (pair, [a.block(), b.block()]), overlap.penetration.way_out());
-        if overlap.is_unseen(&rounding) && !is_pressed && !yields {
-            found.unseen.push(depth);
+        if overlap.is_unseen(&rounding) && !is_pressed {
+            if yields { found.explained.push(depth) } else { found.unseen.push(depth) }
         }
         if overlap.depth_squared() > floor_squared && overlap.depth_squared() > most {
             (most, found.deepest) = (overlap.depth_squared(), Some(depth));

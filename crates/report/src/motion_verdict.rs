@@ -53,7 +53,8 @@ pub(super) fn lockstep_lines(runs: &[LockstepRun]) -> Vec<VerdictLine> {
 }
 
 /// What audits found of passages and unseen overlaps: bad where a run has one, good where all were audited, passages were looked for, there are
-/// none, no overlap was deeper than `penetration`, nothing stayed undecided, and every run came to its end. `None` without a run.
+/// none, no overlap was deeper than `penetration`, springs elsewhere had none to explain, nothing stayed undecided, and every run came to its end. `None`
+/// without a run.
 pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
     let objecting: Vec<&MotionRun> =
         runs.iter().filter(|run| run.audit().is_some_and(AuditTotals::finds_fault)).collect();
@@ -69,7 +70,9 @@ pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
         return Some(VerdictLine { severity: Severity::Bad, text: format!("{}{more}.", of(first)) });
     }
     let audits: Vec<&AuditTotals> = runs.iter().filter_map(MotionRun::audit).collect();
-    let is_proved = |audit: &&AuditTotals| audit.steps > 0 && audit.undecided == Some(0) && audit.steps_deep == 0;
+    let is_proved = |audit: &&AuditTotals| {
+        audit.steps > 0 && audit.undecided == Some(0) && audit.steps_deep + audit.steps_explained == 0
+    };
     let is_whole = audits.len() == runs.len() && runs.iter().all(|run| run.cut_short().is_none());
     let severity = if is_whole && audits.iter().all(is_proved) { Severity::Good } else { Severity::Fair };
     let text = match (runs, audits.len()) {
@@ -95,7 +98,8 @@ pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
                 n => format!("; passages within steps were not looked for in {n} of them (--audit does)"),
             };
             let deep = deeper(runs).map_or(String::new(), |deep| format!("; {deep}"));
-            format!("{none} in {steps} of {audited} of {} runs{deep}{undecided}{without}", runs.len())
+            let but = explained(runs).map_or(String::new(), |explained| format!(" but those {explained}"));
+            format!("{none}{but} in {steps} of {audited} of {} runs{deep}{undecided}{without}", runs.len())
         }
     };
     Some(VerdictLine { severity, text: format!("{text}.") })
@@ -115,6 +119,24 @@ fn deeper(runs: &[MotionRun]) -> Option<String> {
     Some(format!(
         "blocks overlap deeper than `penetration` after {} of {all} (at most {} m, in {})",
         grouped(steps),
+        short(depth),
+        worst.name
+    ))
+}
+
+/// After how many of all audited steps springs of other contacts explain an overlap that no contact sees, and how deep at most, in the first such run; none where
+/// they never do.
+fn explained(runs: &[MotionRun]) -> Option<String> {
+    let audits = || runs.iter().filter_map(|run| Some((run, run.audit()?)));
+    let (worst, depth) = audits()
+        .filter_map(|(run, audit)| Some((run, audit.worst_explained?.depth_m.0)))
+        .rev()
+        .max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+    let [steps, all] = [|audit: &AuditTotals| audit.steps_explained, |audit: &AuditTotals| audit.steps]
+        .map(|of| audits().map(|(_, audit)| of(audit)).sum::<u64>());
+    let (steps, all) = (grouped(steps), counted(all, "step", "steps"));
+    Some(format!(
+        "that springs elsewhere explain (after {steps} of {all}, at most {} m, in {})",
         short(depth),
         worst.name
     ))

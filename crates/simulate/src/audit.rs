@@ -6,8 +6,9 @@ use rockproof_model::simulation::step_in_words;
 use rockproof_model::text::noun;
 use serde::{Deserialize, Serialize};
 
-/// The columns of `steps.csv` that the audit fills; empty without one, the last two where passages are not looked for.
-pub const COLUMNS: [&str; 4] = ["unseen_pairs", "true_penetration_m", "passages", "undecided_passages"];
+/// The columns of `steps.csv` that the audit fills; empty without one, those of passages where these are not looked for.
+pub const COLUMNS: [&str; 5] =
+    ["unseen_pairs", "true_penetration_m", "passages", "undecided_passages", "explained_pairs"];
 
 /// Two blocks and how deep they overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,8 +41,10 @@ impl AuditScope {
 /// The exact audit of one step: the blocks as they are after it, and what happened within it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepAudit {
-    /// Pairs that overlap by more than rounding where no contact sees it, in ascending order.
+    /// Pairs that overlap by more than rounding where no contact sees it, in ascending order, without those of `explained`.
     pub unseen: Vec<PairDepth>,
+    /// Pairs that overlap so too, but by no more than springs of other contacts explain, in ascending order.
+    pub explained: Vec<PairDepth>,
     /// The deepest overlap of all, of equal ones the first; none where all are within the rounding of f64.
     pub deepest: Option<PairDepth>,
     /// Whether that is deeper than `penetration`: only contacts that were closed before are still seen there.
@@ -65,13 +68,13 @@ pub struct StepPassages {
 
 impl StepAudit {
     /// The cells of [`COLUMNS`].
-    pub fn cells(&self) -> [String; 4] {
+    pub fn cells(&self) -> [String; 5] {
         let deepest = self.deepest.map_or(0.0, |deepest| deepest.depth_m);
         let passages = self.passages.as_ref().map(|found| found.pairs.len().to_string());
         let undecided = self.passages.as_ref().map(|found| found.undecided.to_string());
         let [passages, undecided] = [passages, undecided].map(Option::unwrap_or_default);
         let unseen = self.unseen.len() + self.past_middle.len();
-        [unseen.to_string(), format!("{deepest:?}"), passages, undecided]
+        [unseen.to_string(), format!("{deepest:?}"), passages, undecided, self.explained.len().to_string()]
     }
 }
 
@@ -98,6 +101,15 @@ pub struct AuditTotals {
     pub most_unseen: u64,
     /// The deepest overlap after a step that no contact saw.
     pub worst_unseen: Option<PairExtreme>,
+    /// Steps after which springs of other contacts explained an overlap that no contact saw.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub steps_explained: u64,
+    /// Such pairs after the step with most of them.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub most_explained: u64,
+    /// The deepest such overlap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst_explained: Option<PairExtreme>,
     /// The deepest overlap after a step.
     pub deepest: Option<PairExtreme>,
     /// Steps after which some overlap was deeper than `penetration`.
@@ -142,6 +154,8 @@ impl AuditTotals {
                 first.map(|PairDepth { blocks, depth_m }| PairExtreme { blocks, depth_m: ExactFloat(depth_m), step });
         }
         self.most_unseen = self.most_unseen.max(audit.unseen.len() as u64);
+        self.steps_explained += u64::from(!audit.explained.is_empty());
+        self.most_explained = self.most_explained.max(audit.explained.len() as u64);
         let passages = audit.passages.as_ref();
         if let Some(found) = passages {
             *self.passages.get_or_insert(0) += found.pairs.len() as u64;
@@ -149,6 +163,7 @@ impl AuditTotals {
         }
         for (worst, found) in [
             (&mut self.worst_unseen, deepest_of(&audit.unseen)),
+            (&mut self.worst_explained, deepest_of(&audit.explained)),
             (&mut self.deepest, audit.deepest),
             (&mut self.worst_passage, passages.and_then(|found| deepest_of(&found.pairs))),
         ] {
@@ -173,7 +188,7 @@ impl AuditTotals {
         format!("{}; {deepest}", self.verdict())
     }
 
-    /// Whether contacts see every overlap and no pair passes through another, in one line.
+    /// Whether contacts see every overlap and no pair passes through another, in one line. What springs of other contacts explain is told, and is no fault.
     pub fn verdict(&self) -> String {
         let mut parts: Vec<String> = Vec::new();
         if self.steps_unseen > 0 {
@@ -201,13 +216,17 @@ impl AuditTotals {
         }
         if self.finds_fault() {
             parts[0].insert_str(0, "blocks pass through one another: ");
+            if let Some(explained) = self.explained_in_words() {
+                parts.push(format!("not counted: unseen overlaps {explained}"));
+            }
         } else {
             let none = match (self.passages, self.undecided) {
                 (None, _) => "",
                 (_, None | Some(0)) => " and no passage",
                 _ => " and no passage shown",
             };
-            parts.push(format!("no unseen overlap{none} in {} {}", self.steps, noun(self.steps, "step", "steps")));
+            let but = self.explained_in_words().map_or(String::new(), |explained| format!(" but those {explained}"));
+            parts.push(format!("no unseen overlap{but}{none} in {} {}", self.steps, noun(self.steps, "step", "steps")));
         }
         if self.steps_deep > 0 && !self.finds_fault() {
             let (deep, all) = (self.steps_deep, self.steps);
@@ -223,6 +242,22 @@ impl AuditTotals {
             Some(undecided) => parts.push(format!("{undecided} {} undecided", noun(undecided, "passage", "passages"))),
         }
         parts.join("; ")
+    }
+
+    /// What springs of other contacts explain of the overlaps that no contact saw; `None` where there is nothing of that kind.
+    fn explained_in_words(&self) -> Option<String> {
+        let PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step } = self.worst_explained?;
+        let pairs = match self.most_explained {
+            1 => "1 pair".to_owned(),
+            count => format!("up to {count} pairs"),
+        };
+        let [steps, all] = [self.steps_explained, self.steps];
+        Some(format!(
+            "that springs elsewhere explain ({pairs} after {steps} of {all} {}, worst {a}–{b}, {} m, {})",
+            noun(all, "step", "steps"),
+            in_four_digits(depth),
+            step_in_words(step)
+        ))
     }
 
     /// The true penetration, in words: the deepest overlap after any step, with its pair and step.
@@ -284,7 +319,38 @@ mod tests {
                         (worst 4–5, 2.000e-5 m, step 4); 1 passage within a step (worst 6–7, 0.2500 m, step 5); 3 passages \
                         undecided; deepest overlap (worst 0–1, 0.5000 m, step 1)";
         assert_eq!(totals.sentence(), expected);
-        assert_eq!(passed.cells(), ["0", "0.5", "1", "3"]);
+        assert_eq!(passed.cells(), ["0", "0.5", "1", "3", "0"]);
+    }
+
+    #[test]
+    fn what_springs_elsewhere_explain_is_told_beside_what_is_sound_and_what_is_not() {
+        let explained = |all: &[PairDepth]| StepAudit {
+            explained: all.to_vec(),
+            passages: passing(vec![], 0),
+            ..StepAudit::default()
+        };
+        assert_eq!(explained(&[pair(2, 3, 1e-9), pair(4, 5, 2e-9)]).cells(), ["0", "0.0", "0", "0", "2"]);
+        let mut totals = AuditTotals::default();
+        totals.add(0, &explained(&[]));
+        let text = serde_json::to_string(&totals).expect("JSON");
+        assert!(!text.contains("explained"), "{text}");
+        totals.add(1, &explained(&[pair(2, 3, 1e-9)]));
+        let told = "no unseen overlap but those that springs elsewhere explain (1 pair after 1 of 2 steps, worst 2–3, 1.000e-9 m, step 1) and no passage in 2 steps";
+        assert_eq!((totals.verdict().as_str(), totals.finds_fault()), (told, false));
+        totals.add(2, &explained(&[pair(2, 3, 1e-9), pair(4, 5, 2e-9)]));
+        // Of equal ones the first.
+        totals.add(3, &explained(&[pair(0, 1, 2e-9)]));
+        let told = "that springs elsewhere explain (up to 2 pairs after 3 of 4 steps, worst 4–5, 2.000e-9 m, step 2)";
+        assert_eq!(totals.verdict(), format!("no unseen overlap but those {told} and no passage in 4 steps"));
+        totals.add(4, &StepAudit { unseen: vec![pair(2, 3, 0.5)], ..explained(&[]) });
+        let expected = format!(
+            "blocks pass through one another: 1 pair overlaps unseen by contacts after 1 of 5 steps (worst 2–3, 0.5000 m, step 4); not counted: unseen overlaps {}",
+            told.replace("3 of 4", "3 of 5")
+        );
+        assert_eq!((totals.verdict(), totals.finds_fault()), (expected, true));
+        // As `run.json` and a checkpoint have it.
+        let text = serde_json::to_string(&totals).expect("JSON");
+        assert_eq!(serde_json::from_str::<AuditTotals>(&text).expect("what was written"), totals);
     }
 
     #[test]
@@ -308,7 +374,7 @@ mod tests {
     fn passages_that_nobody_looked_for_are_not_said_to_be_none() {
         let mut totals = AuditTotals::default();
         let found = StepAudit { unseen: vec![pair(0, 2, 0.5), pair(1, 2, 0.5)], ..StepAudit::default() };
-        assert_eq!(found.cells(), ["2", "0.0", "", ""]);
+        assert_eq!(found.cells(), ["2", "0.0", "", "", "0"]);
         totals.add(1, &StepAudit::default());
         let nothing = "no unseen overlap in 1 step; passages not looked for (--audit does)";
         assert_eq!(totals.verdict(), nothing);

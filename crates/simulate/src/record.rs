@@ -54,8 +54,8 @@ pub struct Frame {
 }
 
 /// The form of `checkpoint.jsonl`. Form 1, which did not say so, had no Δt of the last step and was of version 1 of SPEC; runs of
-/// form 2 have a `steps.csv` without columns for the audit.
-const FORM: u32 = 3;
+/// form 2 have a `steps.csv` without columns for the audit, those of form 3 one without the pairs that springs explain.
+const FORM: u32 = 4;
 
 /// The content of `checkpoint.jsonl`.
 #[derive(Serialize, Deserialize)]

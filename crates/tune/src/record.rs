@@ -28,7 +28,7 @@ pub enum RecordError {
 
 /// The columns of `candidates.csv`: number and origin, the set, then what was measured. Lengths in m. Those that begin with `lock_` are empty
 /// for candidates whose steps the oracle was not asked about.
-pub const COLUMNS: [&str; 47] = [
+pub const COLUMNS: [&str; 50] = [
     "candidate",
     "origin",
     "search",
@@ -76,6 +76,9 @@ pub const COLUMNS: [&str; 47] = [
     "lock_penetration_m",
     "knobs",
     "best",
+    "steps_explained",
+    "explained_pairs",
+    "explained_m",
 ];
 
 const TABLE: &str = "candidates.csv";
@@ -191,6 +194,8 @@ fn row(number: usize, evaluated: &EvaluatedCandidate, best: bool) -> Vec<String>
     row.extend(counts.unwrap_or_default());
     row.push(lockstep.and_then(|lockstep| lockstep.deepest).map(|depth| format!("{depth:?}")).unwrap_or_default());
     row.extend([evaluated.parameters.map_or(String::new(), SetParameters::text), u8::from(best).to_string()]);
+    row.extend([s.explained.steps, s.explained.most_pairs].map(|count| count.to_string()));
+    row.push(format!("{:?}", s.explained.deepest));
     row
 }
 
@@ -265,6 +270,11 @@ fn parsed(record: &csv::StringRecord) -> Option<Measurement> {
                 steps: count("steps_unseen")?,
                 most_pairs: count("unseen_pairs")?,
                 deepest: number("unseen_m")?,
+            },
+            explained: UnseenOverlaps {
+                steps: count("steps_explained")?,
+                most_pairs: count("explained_pairs")?,
+                deepest: number("explained_m")?,
             },
             unconverged: count("unconverged")?,
             refused: count("steps_refused")?,

@@ -4,7 +4,7 @@
 
 use super::evaluator::Measurement;
 use super::search::{EvaluatedCandidate, Search, formulas};
-use super::{AbsentPreset, Cluster, Evaluator, LockstepMeasures, StepMeasures};
+use super::{AbsentPreset, Cluster, Evaluator, LockstepMeasures, StepMeasures, UnseenOverlaps};
 use rockproof_model::scene::write_tolerances;
 use rockproof_model::simulation::Unconverged;
 use rockproof_model::text::noun;
@@ -199,15 +199,12 @@ pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>
     });
     row_of_steps("blocks sink by at most", &|made| format!("{:.3e} m", made.overlaps.sunk));
     row_of_steps("steps with blocks sunk deeper than penetration", &|made| made.deep.to_string());
-    row_of_steps("steps with overlaps unseen by contacts (pairs, depth)", &|made| {
-        let unseen = &made.unseen;
-        let worst = if unseen.steps == 0 {
-            String::new()
-        } else {
-            format!(" ({}, {:.3e} m)", unseen.most_pairs, unseen.deepest)
-        };
-        format!("{}{worst}", unseen.steps)
-    });
+    row_of_steps("steps with overlaps unseen by contacts (pairs, depth)", &|made| steps_pairs_and_depth(&made.unseen));
+    if sets.iter().any(|(_, evaluated)| evaluated.measurement.steps_measured.explained.steps > 0) {
+        row_of_steps("steps with unseen overlaps that springs elsewhere explain (pairs, depth)", &|made| {
+            steps_pairs_and_depth(&made.explained)
+        });
+    }
     row_of_steps("deepest overlap after the last step", &|made| format!("{:.3e} m", made.overlaps.deepest));
     row("the same with the steps of the oracle", &|evaluated| {
         let deepest = evaluated.measurement.lockstep.as_ref().and_then(|lockstep| lockstep.deepest);
@@ -223,6 +220,14 @@ pub fn sides(search: &Search<'_>) -> Option<(Vec<&'static str>, Vec<Vec<String>>
         evaluated.measurement.lockstep.as_ref().map_or("–".to_owned(), |lockstep| lockstep.failed.to_string())
     });
     Some((columns, rows))
+}
+
+/// After how many steps, of how many pairs at most, how deep.
+fn steps_pairs_and_depth(found: &UnseenOverlaps) -> String {
+    match found.steps {
+        0 => "0".to_owned(),
+        steps => format!("{steps} ({}, {:.3e} m)", found.most_pairs, found.deepest),
+    }
 }
 
 /// The tolerances of [`sides`], in the order of [`ToleranceSet::numbers`].
@@ -422,6 +427,20 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize, evaluato
                     "Under some other sets they do not, but these are worse in what is compared before, or were not compared that far",
                 None => "So they do under every set tried under which the steps do not stop",
             }
+        )?;
+    }
+    if made.explained.steps > 0 {
+        let pairs = match made.explained.most_pairs {
+            1 => "1 pair".to_owned(),
+            count => format!("up to {count} pairs"),
+        };
+        let all = made.made();
+        writeln!(
+            out,
+            "Not counted are unseen overlaps that springs elsewhere explain: of {pairs} after {} of {all} {}, {:.3e} m at most.",
+            made.explained.steps,
+            noun(all, "step", "steps"),
+            made.explained.deepest
         )?;
     }
     match &m.lockstep {

@@ -24,8 +24,10 @@ pub struct StepMeasures {
     pub overlaps: Overlaps,
     /// Steps, settling too, after which a pair overlaps deeper than `penetration`, and deeper than in the scene as given.
     pub deep: u64,
-    /// What of the overlaps no contact sees.
+    /// What of the overlaps no contact sees, without that which springs of other contacts explain.
     pub unseen: UnseenOverlaps,
+    /// What these explain.
+    pub explained: UnseenOverlaps,
     /// Steps accepted without converging.
     pub unconverged: u64,
     /// Those of them at which the scene says that a run stops: all or none.
@@ -154,7 +156,9 @@ pub(super) fn measure_steps<R: Solve>(
                 let (now, is_deep) = initial.overlaps(&depths, penetration);
                 found.overlaps = Overlaps { deepest: now.deepest, sunk: now.sunk.max(found.overlaps.sunk) };
                 found.deep += u64::from(is_deep);
-                found.unseen.add(&unseen_depths(&blocks, dynamics.state(), &depths, (set, precision)));
+                let unseen = unseen_depths(&blocks, dynamics.state(), &depths, (set, precision));
+                found.unseen.add(&unseen.beyond);
+                found.explained.add(&unseen.explained);
                 found.settled += u64::from(report.step <= 0);
                 found.steps = dynamics.state().step;
                 found.unconverged += u64::from(!report.converged);

@@ -8,7 +8,7 @@ use rockproof_stepper::dynamics::{ClosedContacts, PressedBlocks, Solve, State, y
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
 
-/// The unseen overlaps of all steps, settling too: by more than rounding, one block of the pair free to move.
+/// Unseen overlaps of all steps, settling too: by more than rounding, one block of the pair free to move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct UnseenOverlaps {
     /// Steps after which there is one.
@@ -28,14 +28,23 @@ impl UnseenOverlaps {
     }
 }
 
-/// The depths (m) of the pairs of `overlaps`, each with its depth, of which no contact tells after a step; contacts that the step left closed are kept,
-/// as by the step that follows. What springs of other contacts yield is left out, as `simulate` does.
+/// The depths (m) of unseen overlaps after a step.
+#[derive(Debug, Default)]
+pub(super) struct UnseenDepths {
+    /// Those that are more than springs of other contacts explain.
+    pub(super) beyond: Vec<f64>,
+    /// Those that these explain, which are no fault, as for `simulate`.
+    pub(super) explained: Vec<f64>,
+}
+
+/// Those of the pairs of `overlaps`, each with its depth, of which no contact tells after a step; contacts that the step left closed are kept, as by the step
+/// that follows.
 pub(super) fn unseen_depths<R: Solve>(
     blocks: &[Block],
     state: &State<R>,
     overlaps: &[([usize; 2], f64)],
     (set, precision): (&ToleranceSet, Precision),
-) -> Vec<f64> {
+) -> UnseenDepths {
     let rounding = rounding_depth(&blocks.iter().collect::<Vec<_>>(), precision);
     // Blocks that overlap by no more are no concern of contacts; rounded down, so that "at most" is sure.
     let harmless = (&rounding).min(&set.penetration).approximate().next_down();
@@ -51,7 +60,7 @@ pub(super) fn unseen_depths<R: Solve>(
         }
         // Of convex blocks all is known then; the auditor would measure the depth once more.
         if depth > deep && pair.iter().all(|&k| blocks[k].is_convex()) {
-            return Some(depth);
+            return Some((depth, false));
         }
         let both = pair.map(|k| PreparedBlock::new(&blocks[k]));
         let overlap =
@@ -60,7 +69,11 @@ pub(super) fn unseen_depths<R: Solve>(
         let pressed = pressed.get_or_init(|| PressedBlocks::of(state));
         let size = yielding_size(pair.map(|k| &blocks[k]), set.penetration.approximate());
         let yields = size.is_some_and(|size| pressed.explain(pair, depth, overlap.penetration.way_out(), size));
-        (!yields).then_some(depth)
+        Some((depth, yields))
     };
-    overlaps.par_iter().filter(|(_, depth)| *depth > harmless).filter_map(unseen).collect()
+    let found: Vec<(f64, bool)> =
+        overlaps.par_iter().filter(|(_, depth)| *depth > harmless).filter_map(unseen).collect();
+    let of =
+        |explained: bool| found.iter().filter(|(_, yields)| *yields == explained).map(|(depth, _)| *depth).collect();
+    UnseenDepths { beyond: of(false), explained: of(true) }
 }

@@ -49,6 +49,10 @@ fn table(runs: &[MotionRun]) -> Table {
             "deepest",
             "deepest_m",
             "steps_deep",
+            "steps_explained",
+            "most_explained_pairs",
+            "worst_explained",
+            "worst_explained_m",
         ],
     );
     for run in runs {
@@ -64,7 +68,8 @@ fn table(runs: &[MotionRun]) -> Table {
                     [audit.passages, audit.undecided].map(|count| count.map_or(TableCell::Empty, TableCell::Count)),
                 );
                 row.extend([audit.worst_passage, audit.deepest].into_iter().flat_map(pair));
-                row.push(TableCell::Count(audit.steps_deep));
+                row.extend([audit.steps_deep, audit.steps_explained, audit.most_explained].map(TableCell::Count));
+                row.extend(pair(audit.worst_explained));
             }
         }
         table.push(row);
