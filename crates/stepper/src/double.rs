@@ -6,7 +6,9 @@
 //!
 //! Why `Wide` counts nothing then: both balls hold the number meant, a comparison is settled here with some 2⁻⁴⁸ of the number to spare, and the radius in
 //! `Wide` is smaller by far. For a rounding there adds 2⁻⁵¹⁰ of the result at most, whereas every radius here that is not zero is at least [`LEAST_SHARE`] of
-//! its number when an operation ends; and what is exact here has no more than 453 digits, so it is exact there.
+//! its number when an operation ends; and what is exact here has no more than 453 digits, so it is exact there. Solutions of large systems are not covered by
+//! that (`dynamics/enclosed_solve.rs`): there a radius is a share of the largest unknown, some 2⁻⁴⁸⁰ in 512 bits, and `Wide` may count a comparison that is settled here.
+//! What is settled is the decision of exact arithmetic all the same.
 
 #[cfg(test)]
 mod tests;

@@ -71,7 +71,7 @@ pub trait Real:
     /// `self < other`, not counted as a decision: for culling with slack and for choosing between equivalent ways.
     fn below(self, other: Self) -> bool;
 
-    /// Whether a length is more than nothing, or what is divided by it; not counted as a decision, except in `Wide` of fewer bits, where rounding
+    /// Whether a length is more than nothing, or what is divided by it; not counted as a decision, except in `Wide` where rounding
     /// may have left nothing of it.
     fn is_positive(self) -> bool {
         Self::ZERO.below(self)

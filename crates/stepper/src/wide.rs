@@ -267,9 +267,9 @@ impl Wide {
         difference.is_known() && difference.negative && !difference.is_zero()
     }
 
-    /// Whether the middle is above zero. Not counted, but where [`in_bits`] cuts results and the middle is zero by rounding: it would go on as exact.
+    /// Whether the middle is above zero. Not counted, but where the middle is zero by rounding: it would go on as exact.
     pub fn middle_is_positive(self) -> bool {
-        if self.is_zero() && !self.is_exact() && KEPT.get() < MAX_DIGITS {
+        if self.is_zero() && !self.is_exact() {
             count_one_unsettled();
         }
         self.is_known() && !self.negative && !self.is_zero()

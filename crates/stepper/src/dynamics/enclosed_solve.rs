@@ -3,7 +3,7 @@
 //! Elimination in the scalar itself takes some n³/6 products, this takes as many as the matrix has entries, a few times over. With a scaling D by powers of
 //! two and `r = F − K·x̂`, `|x_i − x̂_i| ≤ D_ii·‖D·r‖₂/λ`, where λ is not above the smallest eigenvalue of `D·K·D`. That one is proved by a factor in f64 (S. M. Rump,
 //! *Verification of positive definiteness*, BIT 46, 2006): where Cholesky's method runs to its end on a matrix B of n unknowns, in whichever order its sums
-//! are taken, B has no eigenvalue below `−γ·tr B`, γ a little above (n + 1)·2⁻⁵³.
+//! are taken, B has no eigenvalue below `−γ·tr B`, γ a little above (n + 1)·2⁻⁵³. Of each part of the system that nothing ties to others the norm is its own.
 
 #[cfg(test)]
 mod tests;
@@ -39,8 +39,8 @@ const PASSES: usize = 64;
 /// Encloses the solution, in place. The values are those of the matrix. `None` where f64 does not prove that it is positive definite; then the right side is
 /// as it was.
 pub(super) fn solve_enclosed<R: Enclosing>(pattern: &Pattern, values: &[R], rhs: &mut [R]) -> Option<()> {
-    if rhs.iter().all(|force| force.is_exact_zero()) {
-        return FloatSystem::new(pattern, values).map(|_| ());
+    if !rhs.iter().all(|force| force.is_finite()) {
+        return None;
     }
     let system = FloatSystem::new(pattern, values)?;
     let scale = |i: usize| 2f64.powi(system.scale[i]);
@@ -76,22 +76,49 @@ pub(super) fn solve_enclosed<R: Enclosing>(pattern: &Pattern, values: &[R], rhs:
         let next: Vec<R> = x.iter().zip(&correction).enumerate().map(corrected).collect::<Option<_>>()?;
         let next_left = residual(&next);
         let next_size = ScaledNorm::of(&next_left, scale);
-        let is_slow = !(next_size.middle <= size.middle / 2.0);
+        let helps = next_size.middle <= size.middle / 2.0;
         if next_size.bound() < size.bound() {
             (x, left, size) = (next, next_left, next_size);
         }
-        if is_slow {
+        if !helps {
             break;
         }
     }
-    let bound = size.bound() / system.least * MORE;
-    if !bound.is_finite() {
-        return None;
+    // Parts that nothing ties together are systems of their own. One on which no force acts does not move, exactly.
+    let mut parts = vec![Vec::new(); rhs.len()];
+    for (unknown, part) in parts_of(rhs.len(), entries.iter().map(|(entry, _)| *entry)).into_iter().enumerate() {
+        parts[part].push(unknown);
     }
-    for (i, (place, x)) in rhs.iter_mut().zip(x).enumerate() {
-        *place = x.with_radius(bound * scale(i) * MORE + UNDERFLOW);
+    let mut solution = vec![R::ZERO; rhs.len()];
+    for part in parts.into_iter().filter(|part| !part.iter().all(|&i| rhs[i].is_exact_zero())) {
+        let own: Vec<R> = part.iter().map(|&i| left[i]).collect();
+        let bound = ScaledNorm::of(&own, |k| scale(part[k])).bound() / system.least * MORE;
+        if !bound.is_finite() {
+            return None;
+        }
+        for i in part {
+            solution[i] = x[i].with_radius(bound * scale(i) * MORE + UNDERFLOW);
+        }
     }
+    rhs.copy_from_slice(&solution);
     Some(())
+}
+
+/// Of each unknown the lowest that entries tie it to, directly or through others; itself if there is none.
+fn parts_of(count: usize, entries: impl Iterator<Item = PatternEntry>) -> Vec<usize> {
+    let mut lowest: Vec<usize> = (0..count).collect();
+    fn find(lowest: &mut [usize], mut unknown: usize) -> usize {
+        while lowest[unknown] != unknown {
+            lowest[unknown] = lowest[lowest[unknown]];
+            unknown = lowest[unknown];
+        }
+        unknown
+    }
+    for PatternEntry { row, column, .. } in entries {
+        let (a, b) = (find(&mut lowest, row), find(&mut lowest, column));
+        lowest[a.max(b)] = a.min(b);
+    }
+    (0..count).map(|unknown| find(&mut lowest, unknown)).collect()
 }
 
 /// Not below the norm of the middles and of the radii of a vector, scaled.
@@ -110,8 +137,9 @@ impl ScaledNorm {
             let sum: f64 = all().map(|size| (size / unit) * (size / unit)).sum();
             unit * sum.sqrt() * (1.0 + (vector.len() + 16) as f64 * f64::EPSILON)
         };
-        // The nearest f64 is within a unit in the last place.
-        ScaledNorm { middle: sized(&|value| value.to_f64().abs() * MORE), radius: sized(&R::radius_bound) }
+        // The nearest f64 is within a unit in the last place, and the scaling may be large where that is next to nothing.
+        let middle = |value: R| if value.is_exact_zero() { 0.0 } else { value.to_f64().abs() * MORE + UNDERFLOW };
+        ScaledNorm { middle: sized(&middle), radius: sized(&R::radius_bound) }
     }
 
     fn bound(self) -> f64 {

@@ -2,7 +2,7 @@
 
 use crate::field::UpperBound;
 use num_bigint::BigInt;
-use num_traits::{Signed, Zero};
+use num_traits::Signed;
 use rockproof_model::Sign;
 use rockproof_model::ring::ExactRing;
 use std::borrow::Cow;
@@ -193,6 +193,7 @@ fn product(one: u128, two: u128) -> [u128; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_traits::Zero;
     use proptest::prelude::*;
 
     /// Integers of up to 140 bits, many with long runs of equal bits, and the least and largest of each kind.

@@ -99,19 +99,17 @@ fn an_enclosure_holds_what_elimination_finds_and_is_narrow() {
 }
 
 /// Every entry and every force may be off; the solutions of systems that are off so far, alternately up and down, are held too.
-#[test]
-fn an_enclosure_holds_the_solutions_of_all_systems_that_are_meant() {
+fn holds_all_that_are_meant<R: Enclosing>(share: f64) {
     let Blocks { pattern, values, right } = blocks(4, 1e2);
-    let share = 2f64.powi(-40);
-    let loose = |all: &[f64]| -> Vec<Double> {
-        all.iter().map(|&value| Double::from_f64(value).with_radius(value.abs() * share)).collect()
+    let loose = |all: &[f64]| -> Vec<R> {
+        all.iter().map(|&value| R::from_f64(value).with_radius(value.abs() * share)).collect()
     };
     let mut found = loose(&right);
     solve_enclosed(&pattern, &loose(&values), &mut found).expect("a solution");
     let mut moved = 0;
     for turn in 0..4usize {
         let off = |all: &[f64]| -> Vec<Wide> {
-            let up = |k: usize| if (k >> turn) % 2 == 0 { share } else { -share };
+            let up = |k: usize| if (k >> turn).is_multiple_of(2) { share } else { -share };
             all.iter().enumerate().map(|(k, &value)| Wide::of_f64(value) + Wide::of_f64(value * up(k))).collect()
         };
         let mut expected = off(&right);
@@ -119,11 +117,18 @@ fn an_enclosure_holds_the_solutions_of_all_systems_that_are_meant() {
         for (found, expected) in found.iter().zip(&expected) {
             let ([middle, radius], [known, doubt]) = (ball(*found), ball(*expected));
             let apart = if middle > known { middle - known } else { known - middle };
-            assert!(apart <= &radius + doubt, "turn {turn}");
+            assert!(apart <= &radius + doubt, "turn {turn}, {share:e}");
             moved += usize::from(apart * BigRational::from_integer(1_000_000.into()) > radius);
         }
     }
     assert!(moved > 0, "no solution is elsewhere than the middle");
+}
+
+#[test]
+fn an_enclosure_holds_the_solutions_of_all_systems_that_are_meant() {
+    holds_all_that_are_meant::<Double>(2f64.powi(-40));
+    holds_all_that_are_meant::<Wide>(2f64.powi(-40));
+    holds_all_that_are_meant::<Wide>(2f64.powi(-300));
 }
 
 /// A chain of n springs of 1 between points, both ends held: eigenvalues 2 − 2·cos(kπ/(n + 1)).
@@ -190,4 +195,53 @@ fn no_force_moves_nothing_exactly() {
     let mut found = vec![Wide::EXACT_ZERO; pattern.size()];
     solve_enclosed(&pattern, &values, &mut found).expect("a solution");
     assert!(found.iter().all(|x| x.is_exact_zero()));
+}
+
+/// Every third unknown of each block is tied to such ones alone, and no force acts on them.
+#[test]
+fn a_part_on_which_no_force_acts_does_not_move_exactly() {
+    let Blocks { pattern, mut values, mut right } = blocks(6, 10.0);
+    let is_apart = |unknown: usize| unknown.is_multiple_of(3);
+    for PatternEntry { row, column, place } in pattern.entries() {
+        if is_apart(row) != is_apart(column) {
+            values[place] = 0.0;
+        }
+    }
+    (0..right.len()).filter(|&unknown| is_apart(unknown)).for_each(|unknown| right[unknown] = 0.0);
+    let own = |all: &[f64]| -> Vec<Double> { all.iter().map(|&value| Double::from_f64(value)).collect() };
+    let mut found = own(&right);
+    solve_enclosed(&pattern, &own(&values), &mut found).expect("a solution");
+    for (unknown, x) in found.into_iter().enumerate() {
+        assert_eq!(x.is_exact_zero(), is_apart(unknown), "{unknown}");
+    }
+    let wide = |all: &[f64]| -> Vec<Wide> { all.iter().map(|&value| Wide::of_f64(value)).collect() };
+    let mut found = wide(&right);
+    right[3] = 1.0;
+    solve_enclosed(&pattern, &wide(&values), &mut found).expect("a solution");
+    let most = |of: &[Wide]| of.iter().map(|x| x.radius_bound()).fold(0.0, f64::max);
+    let before = most(&found);
+    // A large force on one part widens the other's radii by nothing.
+    right[3] = 1e100;
+    let mut found = wide(&right);
+    solve_enclosed(&pattern, &wide(&values), &mut found).expect("a solution");
+    let other: Vec<Wide> = found.into_iter().enumerate().filter(|(k, _)| !is_apart(*k)).map(|(_, x)| x).collect();
+    assert!(most(&other) < 1e50 * before, "{:e} for {before:e}", most(&other));
+}
+
+/// A force that is nothing in f64 moves what is next to nothing as well.
+#[test]
+fn a_force_below_all_f64_is_not_lost() {
+    let Blocks { pattern, mut values, .. } = chain(100);
+    for PatternEntry { row, column, place } in pattern.entries() {
+        values[place] = if row == column { 2f64.powi(-780) } else { 0.0 };
+    }
+    let values: Vec<Wide> = values.into_iter().map(Wide::of_f64).collect();
+    let force = Wide::of_f64(2f64.powi(-550)) * Wide::of_f64(2f64.powi(-550));
+    let mut found = vec![force; 100];
+    solve_enclosed(&pattern, &values, &mut found).expect("a solution");
+    for x in found {
+        let [middle, radius] = ball(x);
+        let apart = exactly(2f64.powi(-320)) - middle;
+        assert!(apart <= radius && -apart <= radius);
+    }
 }
