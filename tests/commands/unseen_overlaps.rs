@@ -133,7 +133,7 @@ fn a_report_tells_what_springs_explain() {
     let (code, out, err) = place.run(&["report", "one", "two", "--format", "markdown"]);
     let steps = counts.iter().filter(|count| **count > 0).count();
     let told = format!(
-        "- ℹ️ No passage and no unseen overlap but those that springs elsewhere explain (after {} of 10 steps, at most ",
+        "- ℹ️ No passage and no unseen overlap but those that springs elsewhere explain (after {} of 10 steps; the deepest ",
         2 * steps
     );
     assert!(

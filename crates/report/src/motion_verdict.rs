@@ -136,7 +136,7 @@ fn explained(runs: &[MotionRun]) -> Option<String> {
         .map(|of| audits().map(|(_, audit)| of(audit)).sum::<u64>());
     let (steps, all) = (grouped(steps), counted(all, "step", "steps"));
     Some(format!(
-        "that springs elsewhere explain (after {steps} of {all}, at most {} m, in {})",
+        "that springs elsewhere explain (after {steps} of {all}; the deepest {} m, in {})",
         short(depth),
         worst.name
     ))

@@ -248,7 +248,7 @@ impl AuditTotals {
     fn explained_in_words(&self) -> Option<String> {
         let PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step } = self.worst_explained?;
         let pairs = match self.most_explained {
-            1 => "1 pair".to_owned(),
+            1 => "1 pair at a time".to_owned(),
             count => format!("up to {count} pairs"),
         };
         let [steps, all] = [self.steps_explained, self.steps];
@@ -335,7 +335,7 @@ mod tests {
         let text = serde_json::to_string(&totals).expect("JSON");
         assert!(!text.contains("explained"), "{text}");
         totals.add(1, &explained(&[pair(2, 3, 1e-9)]));
-        let told = "no unseen overlap but those that springs elsewhere explain (1 pair after 1 of 2 steps, worst 2–3, 1.000e-9 m, step 1) and no passage in 2 steps";
+        let told = "no unseen overlap but those that springs elsewhere explain (1 pair at a time after 1 of 2 steps, worst 2–3, 1.000e-9 m, step 1) and no passage in 2 steps";
         assert_eq!((totals.verdict().as_str(), totals.finds_fault()), (told, false));
         totals.add(2, &explained(&[pair(2, 3, 1e-9), pair(4, 5, 2e-9)]));
         // Of equal ones the first.
