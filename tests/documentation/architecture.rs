@@ -18,7 +18,7 @@ const REASON: &str = "// Longer than 400 lines: ";
 
 /// The crates of the workspace and those of its own that each may depend on. Cargo refuses every import that is not listed in a
 /// manifest; this table says which manifests are right. The rule above all others: oracle and stepper do not know each other.
-const MAY_DEPEND_ON: [(&str, &[&str]); 25] = [
+const MAY_DEPEND_ON: [(&str, &[&str]); 26] = [
     ("model", &[]),
     // Solves as a library does; nothing that it finds is claimed by the oracle.
     ("cholesky", &[]),
@@ -34,6 +34,8 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 25] = [
     ("bench", &["model", "oracle", "stepper", "differential", "pairs", "campaign", "results"]),
     ("report", &["model", "oracle", "simulate", "differential", "pairs", "campaign", "gate", "results"]),
     ("examine", &["model", "oracle", "stepper", "simulate", "differential", "tune", "report", "results"]),
+    // Nothing depends on it: C calls it.
+    ("c", &["model", "oracle", "stepper", "differential"]),
     // Tests and benches alone.
     ("benches", &[]),
     ("campaign-tests", &[]),
@@ -86,8 +88,9 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 25] = [
     ),
 ];
 
-/// Crates that only tests need, or that hold tests or benches alone.
-const NOT_PUBLISHED: [&str; 10] = [
+/// The library for C, and crates that only tests need, or that hold tests or benches alone.
+const NOT_PUBLISHED: [&str; 11] = [
+    "c",
     "fuzz",
     "validation",
     "benches",
@@ -121,16 +124,21 @@ pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
+/// What cargo prints, without the network.
+pub(crate) fn cargo(arguments: &[&str]) -> String {
+    let cargo = Command::new(env!("CARGO")).args(arguments).arg("--offline").current_dir(root()).output().unwrap();
+    assert!(cargo.status.success(), "{}", String::from_utf8_lossy(&cargo.stderr));
+    String::from_utf8(cargo.stdout).unwrap()
+}
+
+/// The manifests of the workspace and nothing else.
+pub(crate) fn metadata() -> Value {
+    serde_json::from_str(&cargo(&["metadata", "--no-deps", "--format-version", "1"])).unwrap()
+}
+
 #[test]
 fn crates_depend_downwards_and_gmp_stays_optional() {
-    // --no-deps reads the manifests of the workspace and nothing else, so it needs no network.
-    let cargo = Command::new(env!("CARGO"))
-        .args(["metadata", "--no-deps", "--offline", "--format-version", "1"])
-        .current_dir(root())
-        .output()
-        .unwrap();
-    assert!(cargo.status.success(), "{}", String::from_utf8_lossy(&cargo.stderr));
-    let metadata: Value = serde_json::from_slice(&cargo.stdout).unwrap();
+    let metadata = metadata();
     let packages = metadata["packages"].as_array().unwrap();
     assert_eq!(packages.len(), MAY_DEPEND_ON.len());
     for package in packages {
@@ -195,31 +203,6 @@ fn files_can_be_read_in_a_sitting() {
         let lines = text.lines().count();
         let reasoned = text.lines().take(20).any(|line| line.starts_with(REASON));
         assert!(lines <= LONGEST_FILE || reasoned, "{} has {lines} lines and does not say why", file.display());
-    }
-}
-
-/// Packages outside of the workspace share its target directory (`.ci/run`), and a crate is compiled once as long as all of them compile it alike.
-/// What the program does not use may be compiled otherwise.
-#[test]
-fn packages_outside_are_compiled_like_the_workspace() {
-    let read =
-        |file: &str| -> toml::Table { toml::from_str(&std::fs::read_to_string(root().join(file)).unwrap()).unwrap() };
-    let profile = |file: &str| {
-        let mut profile = read(file)["profile"]["release"].as_table().unwrap().clone();
-        let packages = profile.remove("package").unwrap().as_table().unwrap().clone();
-        (profile, packages)
-    };
-    let (ours, our_packages) = profile("Cargo.toml");
-    for (folder, own) in [("crates/c", &["cbindgen", "syn"][..]), ("crates/python", &[])] {
-        let (theirs, mut packages) = profile(&format!("{folder}/Cargo.toml"));
-        let lock = read(&format!("{folder}/Cargo.lock"));
-        let used: Vec<&str> =
-            lock["package"].as_array().unwrap().iter().map(|package| package["name"].as_str().unwrap()).collect();
-        let expected: toml::Table =
-            our_packages.clone().into_iter().filter(|(name, _)| used.contains(&name.as_str())).collect();
-        assert!(expected.len() > 5, "{expected:?}");
-        packages.retain(|name, _| !own.contains(&name));
-        assert_eq!((theirs, packages), (ours.clone(), expected), "{folder}/Cargo.toml and the profile of Cargo.toml");
     }
 }
 

@@ -10,3 +10,4 @@ mod mutants;
 mod pictures;
 #[cfg(unix)]
 mod readme;
+mod shared_builds;
