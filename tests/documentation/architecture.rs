@@ -18,7 +18,7 @@ const REASON: &str = "// Longer than 400 lines: ";
 
 /// The crates of the workspace and those of its own that each may depend on. Cargo refuses every import that is not listed in a
 /// manifest; this table says which manifests are right. The rule above all others: oracle and stepper do not know each other.
-const MAY_DEPEND_ON: [(&str, &[&str]); 26] = [
+const MAY_DEPEND_ON: [(&str, &[&str]); 27] = [
     ("model", &[]),
     // Solves as a library does; nothing that it finds is claimed by the oracle.
     ("cholesky", &[]),
@@ -36,6 +36,8 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 26] = [
     ("examine", &["model", "oracle", "stepper", "simulate", "differential", "tune", "report", "results"]),
     // Nothing depends on it: C calls it.
     ("c", &["model", "oracle", "stepper", "differential"]),
+    // The same of Python.
+    ("python", &["model", "oracle", "stepper", "differential", "pairs", "campaign", "results", "report", "examine"]),
     // Tests and benches alone.
     ("benches", &[]),
     ("campaign-tests", &[]),
@@ -88,9 +90,10 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 26] = [
     ),
 ];
 
-/// The library for C, and crates that only tests need, or that hold tests or benches alone.
-const NOT_PUBLISHED: [&str; 11] = [
+/// What C and Python call, and crates that only tests need, or that hold tests or benches alone.
+const NOT_PUBLISHED: [&str; 12] = [
     "c",
+    "python",
     "fuzz",
     "validation",
     "benches",
