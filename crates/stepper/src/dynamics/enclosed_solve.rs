@@ -8,6 +8,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::dynamics::island::Ties;
 use crate::real::Real;
 use rockproof_cholesky::{Pattern, PatternEntry, Scalar, Threads};
 
@@ -86,8 +87,10 @@ pub(super) fn solve_enclosed<R: Enclosing>(pattern: &Pattern, values: &[R], rhs:
     }
     // Parts that nothing ties together are systems of their own. One on which no force acts does not move, exactly.
     let mut parts = vec![Vec::new(); rhs.len()];
-    for (unknown, part) in parts_of(rhs.len(), entries.iter().map(|(entry, _)| *entry)).into_iter().enumerate() {
-        parts[part].push(unknown);
+    let mut ties = Ties::none(rhs.len());
+    entries.iter().for_each(|(entry, _)| ties.tie(entry.row as u32, entry.column as u32));
+    for unknown in 0..rhs.len() {
+        parts[ties.lowest(unknown as u32) as usize].push(unknown);
     }
     let mut solution = vec![R::ZERO; rhs.len()];
     for part in parts.into_iter().filter(|part| !part.iter().all(|&i| rhs[i].is_exact_zero())) {
@@ -102,23 +105,6 @@ pub(super) fn solve_enclosed<R: Enclosing>(pattern: &Pattern, values: &[R], rhs:
     }
     rhs.copy_from_slice(&solution);
     Some(())
-}
-
-/// Of each unknown the lowest that entries tie it to, directly or through others; itself if there is none.
-fn parts_of(count: usize, entries: impl Iterator<Item = PatternEntry>) -> Vec<usize> {
-    let mut lowest: Vec<usize> = (0..count).collect();
-    fn find(lowest: &mut [usize], mut unknown: usize) -> usize {
-        while lowest[unknown] != unknown {
-            lowest[unknown] = lowest[lowest[unknown]];
-            unknown = lowest[unknown];
-        }
-        unknown
-    }
-    for PatternEntry { row, column, .. } in entries {
-        let (a, b) = (find(&mut lowest, row), find(&mut lowest, column));
-        lowest[a.max(b)] = a.min(b);
-    }
-    (0..count).map(|unknown| find(&mut lowest, unknown)).collect()
 }
 
 /// Not below the norm of the middles and of the radii of a vector, scaled.

@@ -35,27 +35,47 @@ pub(super) struct Island {
     pub(super) contacts: Vec<u32>,
 }
 
+/// Which of several numbered things are tied together, directly or through others.
+pub(super) struct Ties {
+    /// Of each a lower one that it is tied to; itself of the lowest.
+    lower: Vec<u32>,
+}
+
+impl Ties {
+    /// None among so many.
+    pub(super) fn none(count: usize) -> Ties {
+        Ties { lower: (0..count as u32).collect() }
+    }
+
+    /// Ties two.
+    pub(super) fn tie(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.lowest(a), self.lowest(b));
+        self.lower[a.max(b) as usize] = a.min(b);
+    }
+
+    /// The lowest that one is tied to; itself where there is none.
+    pub(super) fn lowest(&mut self, mut one: u32) -> u32 {
+        while self.lower[one as usize] != one {
+            self.lower[one as usize] = self.lower[self.lower[one as usize] as usize];
+            one = self.lower[one as usize];
+        }
+        one
+    }
+}
+
 /// The islands, by their lowest block. Of contacts, sorted by pair, their blocks and modes.
 pub(super) fn islands(unknowns: &[usize], blocks: &[[u32; 2]], modes: &[Mode]) -> Vec<Island> {
-    let mut root: Vec<u32> = (0..unknowns.len() as u32).collect();
-    fn find(root: &mut [u32], mut block: u32) -> u32 {
-        while root[block as usize] != block {
-            root[block as usize] = root[root[block as usize] as usize];
-            block = root[block as usize];
-        }
-        block
-    }
+    let mut ties = Ties::none(unknowns.len());
     let closed = || blocks.iter().zip(modes).enumerate().filter(|(_, (_, mode))| mode.is_closed());
     let moves = |block: u32| unknowns[block as usize] > 0;
     for (_, (&[a, b], _)) in closed().filter(|&(_, (&[a, b], _))| moves(a) && moves(b)) {
-        let (a, b) = (find(&mut root, a), find(&mut root, b));
-        root[a.max(b) as usize] = a.min(b);
+        ties.tie(a, b);
     }
     // The island of each block, and its place there.
     let mut place = vec![[u32::MAX; 2]; unknowns.len()];
     let mut all: Vec<Island> = Vec::new();
     for block in (0..unknowns.len()).filter(|&block| unknowns[block] > 0) {
-        let lowest = find(&mut root, block as u32) as usize;
+        let lowest = ties.lowest(block as u32) as usize;
         if lowest == block {
             place[block][0] = all.len() as u32;
             all.push(Island::default());
