@@ -431,7 +431,7 @@ fn verdict(out: &mut String, tried: &[EvaluatedCandidate], best: usize, evaluato
     }
     if made.explained.steps > 0 {
         let pairs = match made.explained.most_pairs {
-            1 => "1 pair".to_owned(),
+            1 => "1 pair at a time".to_owned(),
             count => format!("up to {count} pairs"),
         };
         let all = made.made();
