@@ -6,6 +6,7 @@ use super::table::{counted, grouped, short};
 use super::verdict::{MIN_PAIRS, Severity, VerdictLine};
 use rockproof_differential::finding::Cause;
 use rockproof_simulate::AuditTotals;
+use rockproof_simulate::audit::PairExtreme;
 
 /// So many steps without a mistake must there be before that is called well, as of pairs. Steps of one run resemble one another, so they tell less than as
 /// many pairs; fewer tell next to nothing.
@@ -107,39 +108,46 @@ pub(super) fn motion_line(runs: &[MotionRun]) -> Option<VerdictLine> {
 
 /// After how many of all audited steps blocks overlap deeper than `penetration`, and how deep at most, in the first such run; none where they never do.
 fn deeper(runs: &[MotionRun]) -> Option<String> {
-    let audits = || runs.iter().filter_map(|run| Some((run, run.audit()?)));
-    let deep = |audit: &AuditTotals| audit.deepest.filter(|_| audit.steps_deep > 0).map(|deepest| deepest.depth_m.0);
-    let (worst, depth) = audits()
-        .filter_map(|(run, audit)| Some((run, deep(audit)?)))
-        .rev()
-        .max_by(|(_, one), (_, other)| one.total_cmp(other))?;
-    let [steps, all] = [|audit: &AuditTotals| audit.steps_deep, |audit: &AuditTotals| audit.steps]
-        .map(|of| audits().map(|(_, audit)| of(audit)).sum::<u64>());
-    let all = counted(all, "step", "steps");
-    Some(format!(
-        "blocks overlap deeper than `penetration` after {} of {all} (at most {} m, in {})",
-        grouped(steps),
-        short(depth),
-        worst.name
-    ))
+    let found = worst_of(runs, |audit| (audit.steps_deep, audit.deepest))?;
+    let WorstOfRuns { steps, all, depth, run } = found;
+    Some(format!("blocks overlap deeper than `penetration` after {steps} of {all} (at most {depth} m, in {run})"))
 }
 
 /// After how many of all audited steps springs of other contacts explain an overlap that no contact sees, and how deep at most, in the first such run; none where
 /// they never do.
 fn explained(runs: &[MotionRun]) -> Option<String> {
+    let found = worst_of(runs, |audit| (audit.steps_explained, audit.worst_explained))?;
+    let WorstOfRuns { steps, all, depth, run } = found;
+    Some(format!("that springs elsewhere explain (after {steps} of {all}; the deepest {depth} m, in {run})"))
+}
+
+/// In words, after how many of all audited steps there is something, how deep at most (m), and in which run first.
+struct WorstOfRuns<'r> {
+    steps: String,
+    all: String,
+    depth: String,
+    run: &'r str,
+}
+
+/// Of what `of` tells of an audit: after how many steps, and the deepest; none where no run has such a step.
+fn worst_of(runs: &[MotionRun], of: fn(&AuditTotals) -> (u64, Option<PairExtreme>)) -> Option<WorstOfRuns<'_>> {
     let audits = || runs.iter().filter_map(|run| Some((run, run.audit()?)));
+    let depth = |audit: &AuditTotals| match of(audit) {
+        (0, _) => None,
+        (_, worst) => worst.map(|worst| worst.depth_m.0),
+    };
     let (worst, depth) = audits()
-        .filter_map(|(run, audit)| Some((run, audit.worst_explained?.depth_m.0)))
+        .filter_map(|(run, audit)| Some((run, depth(audit)?)))
         .rev()
         .max_by(|(_, one), (_, other)| one.total_cmp(other))?;
-    let [steps, all] = [|audit: &AuditTotals| audit.steps_explained, |audit: &AuditTotals| audit.steps]
-        .map(|of| audits().map(|(_, audit)| of(audit)).sum::<u64>());
-    let (steps, all) = (grouped(steps), counted(all, "step", "steps"));
-    Some(format!(
-        "that springs elsewhere explain (after {steps} of {all}; the deepest {} m, in {})",
-        short(depth),
-        worst.name
-    ))
+    let steps: u64 = audits().map(|(_, audit)| of(audit).0).sum();
+    let all: u64 = audits().map(|(_, audit)| audit.steps).sum();
+    Some(WorstOfRuns {
+        steps: grouped(steps),
+        all: counted(all, "step", "steps"),
+        depth: short(depth),
+        run: &worst.name,
+    })
 }
 
 /// Which of several runs ended before they were asked to, and why the first did; of one alone its line tells.
