@@ -40,10 +40,11 @@ struct Ties {
     differing: Vec<String>,
 }
 
-/// What f64 and fewer bits settle, and what they leave unsettled, is as in 512 bits.
+/// What f64 and fewer bits settle is as in 512 bits, and nothing else is.
 fn sooner_is_the_same(step: &str, sooner: &WideDecisions, stepped: &WideStep) {
-    assert_eq!(sooner.unsettled, stepped.unsettled, "{step}: unsettled comparisons");
-    match (&sooner.outcome, &stepped.outcome) {
+    assert_eq!(sooner.is_unsettled(), stepped.unsettled > 0, "{step}: unsettled comparisons");
+    let WideDecisions::Settled(sooner) = sooner else { return };
+    match (sooner, &stepped.outcome) {
         (Ok(sooner), Ok((stepped, _))) => assert_eq!(sooner, stepped, "{step}"),
         (sooner, stepped) => assert!(sooner.is_err() && stepped.is_err(), "{step}"),
     }
@@ -96,13 +97,16 @@ fn same_state(step: &str, before: &exact::State, own: &exact::State, right: &exa
 
 #[test]
 fn stepper_and_oracle_make_the_same_first_steps() {
+    let mut unsettled = 0;
     for (name, scene) in scenes() {
         let unknowns: usize = scene.scene().blocks.iter().map(|block| block.body.motion.unknowns()).sum();
         if unknowns <= MAX_UNKNOWNS {
             let ties = agree(&name, &scene, 4);
             println!("{name}: {ties:#?}");
+            unsettled += ties.steps;
         }
     }
+    assert!(unsettled > 0, "no step has a comparison that 512 bits leave unsettled");
 }
 
 /// Scenes of cases/handmade, damped: blocks that strike one another, one that slides, one that strains, one on springs.

@@ -13,7 +13,7 @@ use crate::lockstep::penetration::{StepPenetrations, penetration};
 use crate::lockstep::scene::{ExactScene, NumberOverflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::state_errors::{anchor_error, displacement_error, velocity_error};
-use crate::lockstep::wide::{WideError, WideStepper};
+use crate::lockstep::wide::{WideDecisions, WideError, WideStepper};
 use rockproof_model::{Block, ContactKey, Precision, Scene, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::step::{self as exact, KeptPrecision, StepAnswer, StepFailure};
@@ -56,8 +56,8 @@ pub struct ComparedStep {
     pub watched: Option<WatchedStep>,
     /// Decisions that the oracle's cap left open.
     pub undecided: u64,
-    /// Comparisons that the wide scalar left unsettled; asked only where stepper and oracle differ.
-    pub unsettled: Option<u64>,
+    /// Whether the wide scalar left a comparison unsettled; asked only where stepper and oracle differ.
+    pub unsettled: Option<bool>,
     /// Why a side cannot make the step.
     pub failure: String,
     /// Why the oracle cannot make the step, if it cannot and the stepper can.
@@ -324,11 +324,9 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             Some(wide) => wide.decide(before).ok(),
             None => None,
         };
-        compared.unsettled = in_wide.as_ref().map(|step| step.unsettled);
+        compared.unsettled = in_wide.as_ref().map(WideDecisions::is_unsettled);
         let remaining = match &in_wide {
-            Some(step) if step.unsettled == 0 => {
-                step.outcome.as_ref().map_or(Vec::new(), |answer| compare(oracle, answer, &shapes))
-            }
+            Some(WideDecisions::Settled(Ok(answer))) => compare(oracle, answer, &shapes),
             _ => Vec::new(),
         };
         let side = LinkSide { blocks: here, tolerances: self.rounded.tolerances() };
@@ -346,9 +344,9 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
 
     fn cause_of_stop(&mut self, before: &State<R>, compared: &mut ComparedStep) -> Cause {
         let wide = wide_stepper(&mut self.wide, &self.rounded).and_then(|wide| wide.decide(before).ok());
-        compared.unsettled = wide.as_ref().map(|step| step.unsettled);
+        compared.unsettled = wide.as_ref().map(WideDecisions::is_unsettled);
         match wide {
-            Some(step) if step.unsettled == 0 && step.outcome.is_err() => Cause::Defect,
+            Some(WideDecisions::Settled(Err(_))) => Cause::Defect,
             _ => Cause::Arithmetic,
         }
     }

@@ -116,7 +116,7 @@ pub fn difference_rows(step: &ComparedStep, state: &str) -> Vec<Vec<String>> {
         row.push(cell(attributed.margin(), number));
         row.push(cell(attributed.margin_ulps(), number));
         let own = matches!(attributed.cause, Cause::Arithmetic | Cause::Defect);
-        row.push(cell(step.unsettled.filter(|_| own), |count| count.to_string()));
+        row.push(cell(step.unsettled.filter(|_| own), |unsettled| unsettled.to_string()));
         row.push(state.to_owned());
         row
     };

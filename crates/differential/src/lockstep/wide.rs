@@ -41,11 +41,11 @@ pub enum WideError {
 
 /// What a step in the wide scalar decides.
 #[derive(Clone, Debug)]
-pub struct WideDecisions {
-    /// What it decided, or why it cannot be made.
-    pub outcome: Result<StepDecisions, StepError>,
-    /// As [`WideStep::unsettled`].
-    pub unsettled: u64,
+pub enum WideDecisions {
+    /// What it decided, or why it cannot be made: exactly so.
+    Settled(Result<StepDecisions, StepError>),
+    /// 512 bits leave a comparison unsettled, an exact tie, or nearly: what comes of it would not tell a mistake from rounding.
+    Unsettled,
 }
 
 /// A step in the wide scalar.
@@ -55,6 +55,17 @@ pub struct WideStep {
     pub outcome: Result<(StepDecisions, State<Wide>), StepError>,
     /// Comparisons that 512 bits left unsettled: exact ties, or nearly. Where there are none, every decision is the exact one.
     pub unsettled: u64,
+}
+
+impl WideDecisions {
+    fn of(outcome: Result<StepDecisions, StepError>, unsettled: u64) -> WideDecisions {
+        if unsettled == 0 { WideDecisions::Settled(outcome) } else { WideDecisions::Unsettled }
+    }
+
+    /// Whether a comparison stayed unsettled.
+    pub fn is_unsettled(&self) -> bool {
+        matches!(self, WideDecisions::Unsettled)
+    }
 }
 
 impl<M: StepRules> WideStepper<M> {
@@ -73,8 +84,9 @@ impl<M: StepRules> WideStepper<M> {
         Ok(WideStepper { dynamics, in_fewer_bits, in_double, tolerances: scene.tolerances().clone(), alone })
     }
 
-    /// What one step from a state of the scene decides, and the comparisons left unsettled, as [`WideStepper::step`] has them. Contacts are found in
-    /// two f64 or in f64 wherever that settles a comparison, and the rest is made in two f64 or in fewer bits if these settle all its comparisons.
+    /// What one step from a state of the scene decides, as [`WideStepper::step`] has it where nothing stays unsettled. Contacts are found in two f64 or in
+    /// f64 wherever that settles a comparison, and the rest is made in two f64 or in fewer bits if these settle all its comparisons. Nothing is made after
+    /// contacts that 512 bits do not settle.
     ///
     /// # Errors
     /// When the state is none of the scene.
@@ -86,26 +98,24 @@ impl<M: StepRules> WideStepper<M> {
             Some((found, in_double.modes()))
         });
         let contacts = match found {
-            Some((DoubleDecisions { contacts, unsettled, decided: Some(decided) }, modes)) => {
-                return Ok(WideDecisions {
-                    outcome: Ok(StepDecisions::of_decided(contacts, &decided, modes)),
-                    unsettled,
-                });
+            Some((DoubleDecisions { contacts: None, .. }, _)) => return Ok(WideDecisions::Unsettled),
+            Some((DoubleDecisions { contacts: Some(contacts), decided: Some(decided) }, modes)) => {
+                return Ok(WideDecisions::Settled(Ok(StepDecisions::of_decided(contacts, &decided, modes))));
             }
-            found => found.map(|(found, _)| (found.contacts, found.unsettled)),
+            found => found.and_then(|(found, _)| found.contacts),
         };
         if let Some(decisions) = self.decide_in_fewer_bits(state, contacts) {
             return Ok(decisions);
         }
         let WideStep { outcome, unsettled } = self.step(state)?;
-        Ok(WideDecisions { outcome: outcome.map(|(decisions, _)| decisions), unsettled })
+        Ok(WideDecisions::of(outcome.map(|(decisions, _)| decisions), unsettled))
     }
 
-    /// The same with these contacts, in finding which 512 bits leave so many comparisons unsettled, or with those that can be found in f64.
+    /// The same with these contacts, which 512 bits settle, or with those that can be found in f64.
     fn decide_in_fewer_bits<R: Real>(
         &mut self,
         state: &State<R>,
-        contacts: Option<(BlockContacts, u64)>,
+        contacts: Option<BlockContacts>,
     ) -> Option<WideDecisions> {
         let state: State<Wide> = state.in_scalar();
         let in_fewer_bits = self.in_fewer_bits.as_mut()?;
@@ -114,17 +124,21 @@ impl<M: StepRules> WideStepper<M> {
             let (restored, in_restoring) =
                 count_unsettled(|| in_bits(FEWER_BITS, || in_fewer_bits.restore(state.clone())));
             restored.ok()?;
-            let (contacts, in_contacts) = contacts.or_else(|| in_fewer_bits.filtered_contacts(set))?;
+            let (contacts, in_contacts) =
+                contacts.map(|contacts| (contacts, 0)).or_else(|| in_fewer_bits.filtered_contacts(set))?;
+            if in_contacts > 0 {
+                return Some(WideDecisions::Unsettled);
+            }
             let work = || in_bits(FEWER_BITS, || in_fewer_bits.decide_prescribed(&contacts));
             let (decided, in_iteration) = count_unsettled(work);
             if let (Ok(decided), 0) = (decided, in_restoring + in_iteration) {
-                let outcome = Ok(StepDecisions::of_decided(contacts, &decided, in_fewer_bits.modes()));
-                return Some(WideDecisions { outcome, unsettled: in_contacts });
+                let decisions = StepDecisions::of_decided(contacts, &decided, in_fewer_bits.modes());
+                return Some(WideDecisions::Settled(Ok(decisions)));
             }
             let work = || dynamics.restore(state).map(|()| dynamics.decide_prescribed(&contacts));
-            let (decided, besides) = count_unsettled(work);
+            let (decided, unsettled) = count_unsettled(work);
             let outcome = decided.ok()?.map(|decided| StepDecisions::of_decided(contacts, &decided, dynamics.modes()));
-            Some(WideDecisions { outcome, unsettled: in_contacts + besides })
+            Some(WideDecisions::of(outcome, unsettled))
         })
     }
 

@@ -24,6 +24,8 @@ pub struct DoubleSteps {
     dynamics: Dynamics<Double>,
     /// Of pairs that two f64 left open when last asked.
     waits: HashMap<[u32; 2], Wait>,
+    /// Pairs of which 512 bits left a comparison unsettled in the last step, or one of them: in the next, in all likelihood, they do again.
+    unsettled: Vec<[u32; 2]>,
 }
 
 /// For how many steps a pair is not asked in two f64: what they leave open they often leave open in the next step, too.
@@ -41,14 +43,15 @@ impl Wait {
     }
 }
 
+/// So many of the pairs that two f64 leave open are looked at together in 512 bits.
+const PAIRS_AT_ONCE: usize = 8;
+
 /// What of a step is decided as in 512 bits.
 #[derive(Clone, Debug)]
 pub struct DoubleDecisions {
-    /// The contacts that the step finds.
-    pub contacts: BlockContacts,
-    /// Comparisons that 512 bits leave unsettled in finding them.
-    pub unsettled: u64,
-    /// What is decided with them ([`DoubleSteps::modes`] has the modes), if all comparisons of that are settled and nothing fails.
+    /// The contacts that the step finds; `None` where 512 bits leave a comparison unsettled in finding them.
+    pub contacts: Option<BlockContacts>,
+    /// What is decided with them ([`DoubleSteps::modes`] has the modes), if all comparisons of that are settled in two f64 and nothing fails.
     pub decided: Option<DecidedStep>,
 }
 
@@ -56,16 +59,17 @@ impl DoubleSteps {
     /// A scene, whose blocks are those of f64, with its tolerances; `None` where two f64 leave open how it begins.
     pub fn begin(scene: &Scene, set: &ToleranceSet) -> Option<DoubleSteps> {
         let dynamics = settled(|| Dynamics::new(scene, set))?.ok()?;
-        Some(DoubleSteps { dynamics, waits: HashMap::new() })
+        Some(DoubleSteps { dynamics, waits: HashMap::new(), unsettled: Vec::new() })
     }
 
     /// What the next step from a state of floats decides in 512 bits, by the tolerances of the scene. `None` where two f64 leave open what its blocks are
     /// like, or where a pair that they leave open takes too much to note.
     pub fn decide<R: Real>(&mut self, state: &State<R>, set: &ToleranceSet) -> Option<DoubleDecisions> {
         settled(|| self.dynamics.restore(state.in_scalar()))?.ok()?;
-        let (contacts, unsettled) = self.contacts(set)?;
-        let decided = settled(|| SpecRules::decide_step(&mut self.dynamics, &contacts)).and_then(Result::ok);
-        Some(DoubleDecisions { contacts, unsettled, decided })
+        let contacts = self.contacts(set)?;
+        let decide = |contacts: &BlockContacts| settled(|| SpecRules::decide_step(&mut self.dynamics, contacts));
+        let decided = contacts.as_ref().and_then(decide).and_then(Result::ok);
+        Some(DoubleDecisions { contacts, decided })
     }
 
     /// As [`Dynamics::modes`], of the last step that was decided.
@@ -73,10 +77,16 @@ impl DoubleSteps {
         self.dynamics.modes()
     }
 
-    /// The contacts of the step, and the number of comparisons that 512 bits leave unsettled in finding them. Pairs that two f64 leave open are
-    /// looked at again.
-    fn contacts(&mut self, set: &ToleranceSet) -> Option<(BlockContacts, u64)> {
+    /// The contacts of the step, or `None` within where 512 bits leave a comparison unsettled in finding them. Pairs that two f64 leave open are looked at
+    /// again.
+    fn contacts(&mut self, set: &ToleranceSet) -> Option<Option<BlockContacts>> {
         let pairs = settled(|| self.dynamics.neighbouring_pairs())?;
+        for pair in std::mem::take(&mut self.unsettled) {
+            if pairs.binary_search(&pair).is_ok() && self.dynamics.contacts_in_wide(&[pair], set)?.1 > 0 {
+                self.unsettled = vec![pair];
+                return Some(None);
+            }
+        }
         let mut found = Vec::with_capacity(pairs.len());
         let mut open = Vec::new();
         for &pair in &pairs {
@@ -86,15 +96,22 @@ impl DoubleSteps {
             }
             found.push(contacts);
         }
-        let (in_wide, unsettled) =
-            if open.is_empty() { (Vec::new(), 0) } else { self.dynamics.contacts_in_wide(&open, set)? };
+        let mut in_wide = Vec::with_capacity(open.len());
+        for part in open.chunks(PAIRS_AT_ONCE) {
+            let (contacts, unsettled) = self.dynamics.contacts_in_wide(part, set)?;
+            if unsettled > 0 {
+                self.unsettled = part.to_vec();
+                return Some(None);
+            }
+            in_wide.extend(contacts);
+        }
         let mut in_wide = in_wide.into_iter();
         let mut all = Vec::with_capacity(self.dynamics.state.contacts.len());
         for (pair, contacts) in pairs.into_iter().zip(found) {
             let contacts = contacts.or_else(|| in_wide.next()).unwrap_or_default();
             all.extend(contacts.into_iter().map(|contact| (pair, contact)));
         }
-        Some((all, unsettled))
+        Some(Some(all))
     }
 
     /// The contacts of a pair, where two f64 find them and are asked.
