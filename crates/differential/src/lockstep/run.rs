@@ -10,13 +10,13 @@ use crate::lockstep::explain::{
 };
 use crate::lockstep::intrusion::{IntrusionCheck, WatchedStep};
 use crate::lockstep::penetration::{StepPenetrations, penetration};
-use crate::lockstep::scene::{ExactScene, NumberOverflow};
+use crate::lockstep::scene::{BlockContacts, ExactScene, NumberOverflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::state_errors::{anchor_error, displacement_error, velocity_error};
 use crate::lockstep::wide::{WideDecisions, WideError, WideStepper};
 use rockproof_model::{Block, ContactKey, Precision, Scene, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::step::{self as exact, KeptPrecision, StepAnswer, StepFailure};
+use rockproof_oracle::step::{self as exact, CertifiedStep, KeptPrecision, StepAnswer, StepFailure};
 use rockproof_stepper::dynamics::{
     Dynamics, PrescribedAttempt, PrescribedStep, SetupError, Solve, State, StepError, StepReport, StepRules,
 };
@@ -118,6 +118,27 @@ pub struct Lockstep<R, M> {
 /// What the oracle decided in a step, or why it cannot make it.
 type OracleStep = Result<StepDecisions, StepFailure>;
 
+/// The same as the oracle has it.
+type CertainStep = Result<CertifiedStep, StepFailure>;
+
+/// The step as the scene has it, before it is decided.
+struct UndecidedLink<'s> {
+    scene: &'s ExactScene,
+    contacts: BlockContacts,
+}
+
+impl UndecidedLink<'_> {
+    fn decide(self, state: &exact::State) -> CertainStep {
+        self.scene.decide_with(state, self.contacts)
+    }
+}
+
+/// The step of the scene without rounding: with ideal tolerances, and with its own, where the engine has other numbers.
+struct ExactLinks {
+    ideal: CertainStep,
+    given: Option<CertainStep>,
+}
+
 impl<R: Solve, M: StepRules> Lockstep<R, M> {
     /// A scene at its beginning, in the scalar R, which is that of `precision`.
     ///
@@ -218,18 +239,35 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let blocks = self.rounded.blocks_at(start);
         let prepared = prepare(&blocks);
         let here = ClassifiedBlocks::new(&blocks, &prepared);
-        let contacts = here.contacts(&self.rounded, start, &self.differing);
-        let exact = self.rounded.step_with(start, KEPT_PRECISION, contacts);
         // The first step is made from the scene as it is; every later state is the engine's own, in which the blocks of both scenes are the same.
         let is_first = self.links == ComparedLinks::All && *before == self.begin;
         let begin = is_first.then(|| self.given.begin()).filter(|begin| begin != start);
         let begin_blocks = begin.as_ref().map_or(Vec::new(), |begin| self.given.blocks_at(begin));
         let begin_prepared = prepare(&begin_blocks);
         let there = ClassifiedBlocks::new(&begin_blocks, &begin_prepared);
-        if self.links == ComparedLinks::All {
+        let unrounded = begin.as_ref().map_or((start, &here), |begin| (begin, &there));
+        let contacts = here.contacts(&self.rounded, start, &self.differing);
+        let make = || self.rounded.step_with(start, KEPT_PRECISION, contacts);
+        let (exact, links) = match self.links {
+            ComparedLinks::Arithmetic => (make(), None),
+            ComparedLinks::All => {
+                let alike = self.same && begin.is_none();
+                let link = |scene| UndecidedLink {
+                    scene,
+                    contacts: unrounded.1.contacts(scene, unrounded.0, &self.differing),
+                };
+                let (ideal, given) = (link(&self.ideal), (!alike).then(|| link(&self.given)));
+                let decide = || {
+                    let given = || given.map(|given| given.decide(unrounded.0));
+                    rayon::join(|| ideal.decide(unrounded.0), given)
+                };
+                let (exact, (ideal, given)) = rayon::join(make, decide);
+                (exact, Some(ExactLinks { ideal, given }))
+            }
+        };
+        if let Some(links) = links {
             let decided = exact.as_ref().map(StepDecisions::of_oracle).map_err(Clone::clone);
-            let unrounded = begin.as_ref().map_or((start, &here), |begin| (begin, &there));
-            self.exact_links(unrounded, (start, &here), &decided, compared);
+            self.attribute_links(links, unrounded, (start, &here), &decided, compared);
         }
         let attempts = self.dynamics.modes();
         compared.stepper = made.as_ref().ok().map(|r| StepDecisions::of_stepper(r, attempts, self.dynamics.state()));
@@ -272,28 +310,26 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
     }
 
     /// Tolerance and representation: of the state as it is without rounding, and as the engine has it.
-    fn exact_links<'b>(
+    fn attribute_links<'b>(
         &self,
+        ExactLinks { ideal, given: given_step }: ExactLinks,
         (unrounded, unrounded_blocks): (&exact::State, &ClassifiedBlocks<'b>),
         (start, here): (&exact::State, &ClassifiedBlocks<'b>),
         rounded: &OracleStep,
         compared: &mut ComparedStep,
     ) {
-        let decided = |scene: &ExactScene| -> OracleStep {
-            let contacts = unrounded_blocks.contacts(scene, unrounded, &self.differing);
-            scene.decide_with(unrounded, contacts).map(|step| StepDecisions::of_certified(&step))
-        };
-        let alike = self.same && unrounded == start;
-        let given = if alike { None } else { Some(decided(&self.given)) };
-        let given = given.as_ref().unwrap_or(rounded);
-        let ideal = decided(&self.ideal);
+        let decisions =
+            |step: &CertainStep| -> OracleStep { step.as_ref().map(StepDecisions::of_certified).map_err(Clone::clone) };
+        let ideal = decisions(&ideal);
+        let own = given_step.as_ref().map(decisions);
+        let given = own.as_ref().unwrap_or(rounded);
         let (ideal_side, given_side) = (self.ideal.tolerances(), self.given.tolerances());
         let side = |tolerances| LinkSide { blocks: unrounded_blocks, tolerances };
         let explainer =
             Explainer { before: side(ideal_side), after: side(given_side), roundoff: None, state: unrounded };
         let found = exact_differences(&ideal, given, &self.given.scene().shapes());
         compared.differences.extend(explainer.attribute(found, Cause::Tolerance, None));
-        if alike {
+        if given_step.is_none() {
             return;
         }
         let after = LinkSide { blocks: here, tolerances: self.rounded.tolerances() };
