@@ -31,7 +31,7 @@ pub use answer::{
     StepFailure, StepModel, UNCHANGED_SOLVES,
 };
 pub use cascade::StepLevelCounts;
-pub use margin::{ModeMargin, friction_margins, mode_margins};
+pub use margin::{DecidedAttempt, ModeMargin, friction_margins, mode_margins};
 pub use prepare::neighbours;
 pub use run::{certified_step, certified_step_with, enclosed_step, exact_step, exact_step_with, first_system};
 pub use state::{BlockState, ContactMemory, KeptPrecision, Mode, State};

@@ -1,13 +1,16 @@
 //! How close the decisions about modes were.
 
-use super::answer::{StepFailure, StepModel};
+use super::answer::{CertifiedStep, StepAnswer, StepFailure, StepModel};
 use super::attempt_values::AttemptValues;
+use super::cascade::{Cascade, StepLevelCounts};
 use super::decisions::SETTLED;
 use super::open_close_iteration::attempts;
 use super::prepare::PreparedStep;
 use super::state::{Mode, State};
 use super::system::StepNumber;
 use crate::field::Field;
+use num_rational::BigRational;
+use rockproof_model::Contact;
 
 /// How far the quantities behind a contact's mode were from deciding otherwise, after one solve: value over the sum of the
 /// magnitudes of its terms, **0 at a tie**. `None` where all terms are zero, or where balls of two f64 do not reach.
@@ -24,21 +27,51 @@ pub struct ModeMargin {
     pub turn: Option<f64>,
 }
 
-/// The margins of the accepted attempt of a step, solve by solve and contact by contact, nearly exact: of balls of two f64. Empty where
-/// these do not enclose the step.
+/// The accepted attempt of a step that is decided.
+#[derive(Clone, Copy, Debug)]
+pub struct DecidedAttempt<'d> {
+    /// The contacts of the step with their blocks, by pair and in SPEC order.
+    pub contacts: &'d [([usize; 2], Contact)],
+    /// Its Δt (s).
+    pub time_step: &'d BigRational,
+    /// As in [`StepAnswer::modes`].
+    pub modes: &'d [Vec<Mode>],
+}
+
+impl<'d> From<&'d StepAnswer> for DecidedAttempt<'d> {
+    fn from(StepAnswer { contacts, time_step, modes, .. }: &'d StepAnswer) -> DecidedAttempt<'d> {
+        DecidedAttempt { contacts, time_step, modes }
+    }
+}
+
+impl<'d> From<&'d CertifiedStep> for DecidedAttempt<'d> {
+    fn from(CertifiedStep { contacts, time_step, modes, .. }: &'d CertifiedStep) -> DecidedAttempt<'d> {
+        DecidedAttempt { contacts, time_step, modes }
+    }
+}
+
+/// The margins of the attempt that was accepted of a step from `state`, solve by solve and contact by contact, nearly exact: of balls of two f64. Its
+/// solves are made again, and nothing is decided. Empty where these balls do not enclose the step.
 ///
 /// # Errors
 /// When the step cannot be made: see [`StepFailure`].
-pub fn mode_margins(model: &StepModel<'_>, state: &State) -> Result<Vec<Vec<ModeMargin>>, StepFailure> {
-    let prepared = PreparedStep::new(model, state)?;
-    attempts(&prepared, |mut cascade, _, _, _| {
-        let solves = cascade.modes().to_vec();
-        let Some(values) = cascade.double() else { return Ok(Vec::new()) };
-        let of_solve = |(solve, modes): (usize, &Vec<Mode>)| {
-            modes.iter().enumerate().map(|(contact, mode)| margin(values, solve, contact, *mode)).collect()
-        };
-        Ok(solves.iter().enumerate().map(of_solve).collect())
-    })
+pub fn mode_margins(
+    model: &StepModel<'_>,
+    state: &State,
+    decided: DecidedAttempt<'_>,
+) -> Result<Vec<Vec<ModeMargin>>, StepFailure> {
+    let prepared = PreparedStep::with_contacts(model, state, Some(decided.contacts.to_vec()))?;
+    let attempt = prepared.attempt(decided.time_step.clone());
+    let mut cascade = Cascade::new(&attempt, &prepared.layout, StepLevelCounts::default());
+    let solves = decided.modes.split_last().map_or(&[][..], |(_, solves)| solves);
+    solves.iter().for_each(|modes| cascade.solve(modes.clone()));
+    // Balls of two f64 begin with what those of f64 have found.
+    cascade.float();
+    let Some(values) = cascade.double() else { return Ok(Vec::new()) };
+    let of_solve = |(solve, modes): (usize, &Vec<Mode>)| {
+        modes.iter().enumerate().map(|(contact, mode)| margin(values, solve, contact, *mode)).collect()
+    };
+    Ok(solves.iter().enumerate().map(of_solve).collect())
 }
 
 /// How far friction was from deciding otherwise whether it has settled, after each solve of the accepted attempt of a step: the largest

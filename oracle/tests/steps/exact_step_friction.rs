@@ -7,8 +7,8 @@ use num_rational::BigRational;
 use rockproof_model::simulation::{Body, Motion};
 use rockproof_model::{EntranceKind, Number, Point, Vec3};
 use rockproof_oracle::step::{
-    ContactMemory, IterationEnd, KeptPrecision, Mode, RetryReason, State, StepAnswer, StepFailure, enclosed_step,
-    exact_step, first_system, friction_margins, mode_margins,
+    ContactMemory, IterationEnd, KeptPrecision, Mode, RetryReason, State, StepAnswer, StepFailure, certified_step,
+    enclosed_step, exact_step, first_system, friction_margins, mode_margins,
 };
 
 /// N/m: the shear spring of each corner, half of its normal spring.
@@ -112,7 +112,9 @@ fn a_slip_that_swings_by_a_right_angle_has_not_turned() {
         assert!(all(&answer, 0, Mode::Sliding) && all(&answer, 1, mode), "{less}: {:?}", answer.modes);
         assert_eq!(answer.levels.undecided, 0);
         let shapes: Vec<_> = scene.blocks.iter().collect();
-        let turn = mode_margins(&scene.model(&shapes), &state).expect("a step")[0][0].turn.expect("it slid");
+        let model = scene.model(&shapes);
+        let margins = mode_margins(&model, &state, (&answer).into()).expect("a step");
+        let turn = margins[0][0].turn.expect("it slid");
         match mode {
             Mode::Locked => assert!(turn < -1e-12, "{turn}"),
             _ => assert!(turn > -1e-25, "{turn}"),
@@ -127,7 +129,9 @@ fn the_margin_of_a_slip_compares_squares_of_forces() {
     let speed = (exact("3/10000") + exact(HELD)) * exact("100");
     let state = moving(&scene, Mode::Sliding, [HELD, "0"], [&speed.to_string(), "0"]);
     let shapes: Vec<_> = scene.blocks.iter().collect();
-    let margins = mode_margins(&scene.model(&shapes), &state).expect("a step");
+    let model = scene.model(&shapes);
+    let decided = certified_step(&model, &state).expect("a step");
+    let margins = mode_margins(&model, &state, (&decided).into()).expect("a step");
     assert_eq!(margins[0].len(), 8);
     for margin in &margins[0] {
         assert!(margin.slip.is_some_and(|slip| (slip - 0.6).abs() < 1e-12), "{margin:?}");

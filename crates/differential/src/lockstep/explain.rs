@@ -6,12 +6,12 @@ use crate::engine::Trace;
 use crate::explain::{ChainLink, explain};
 use crate::finding::{Cause, DecidingDecision};
 use crate::indexed_trace::IndexedTrace;
-use crate::lockstep::answer::{StepAnswerChange, StepDecisions, StepDifference};
+use crate::lockstep::answer::{StepAnswerChange, StepDifference};
 use crate::lockstep::classified::ClassifiedBlocks;
 use crate::lockstep::scene::ExactScene;
-use rockproof_model::{Block, Contact, ContactKey, ToleranceSet};
+use rockproof_model::{Block, ContactKey, ToleranceSet};
 use rockproof_oracle::Pair;
-use rockproof_oracle::step::{self as exact, ModeMargin};
+use rockproof_oracle::step::{self as exact, DecidedAttempt, ModeMargin};
 use rockproof_stepper::contact::{ClassificationRequest, PreparedBlock, Tolerances};
 use rockproof_stepper::dynamics::{Mode, StepRules};
 use rockproof_stepper::real::Real;
@@ -60,7 +60,7 @@ impl AttributedDifference {
 /// Gives modes their margins: `before` is the exact answer of a link, made of a scene from a state.
 pub(super) fn measure_modes(
     attributed: &mut [AttributedDifference],
-    before: &StepDecisions,
+    before: DecidedAttempt<'_>,
     (scene, state): (&ExactScene, &exact::State),
     roundoff: f64,
 ) {
@@ -68,10 +68,10 @@ pub(super) fn measure_modes(
     let mut margins: Option<Vec<Vec<ModeMargin>>> = None;
     for attributed in attributed.iter_mut().filter(of_mode) {
         let difference = &attributed.difference;
-        let (Some(contact), Some(solve)) = (difference.contact, difference.solve) else { continue };
-        let margins = margins.get_or_insert_with(|| scene.mode_margins(state));
-        let key = |(pair, c): &([u32; 2], Contact)| (*pair, c.key);
-        let place = before.contacts.iter().position(|known| key(known) == key(&contact));
+        let (Some((pair, contact)), Some(solve)) = (difference.contact, difference.solve) else { continue };
+        let margins = margins.get_or_insert_with(|| scene.mode_margins(state, before));
+        let pair = pair.map(|block| block as usize);
+        let place = before.contacts.iter().position(|(blocks, known)| *blocks == pair && known.key == contact.key);
         let margin = place.and_then(|place| margins.get(solve - 1)?.get(place).copied());
         let opens = [&difference.before, &difference.after].iter().any(|mode| *mode == Mode::Open.name());
         let margin = margin.and_then(|margin| match margin.equal {

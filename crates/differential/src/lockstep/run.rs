@@ -275,7 +275,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         compared.undecided = exact.as_ref().map_or(0, |answer| answer.levels.undecided);
         match (&exact, made) {
             (Ok(exact), Ok(_)) => {
-                self.engine_link(before, (start, &here), compared);
+                self.engine_link(before, (start, &here), exact, compared);
                 let after = exact_state(self.dynamics.state());
                 if let Ok(after) = &after {
                     compared.displacement = displacement_error(start, after, &exact.state);
@@ -329,16 +329,14 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             Explainer { before: side(ideal_side), after: side(given_side), roundoff: None, state: unrounded };
         let found = exact_differences(&ideal, given, &self.given.scene().shapes());
         compared.differences.extend(explainer.attribute(found, Cause::Tolerance, None));
-        if given_step.is_none() {
-            return;
-        }
+        let Some(given_step) = given_step else { return };
         let after = LinkSide { blocks: here, tolerances: self.rounded.tolerances() };
         let explainer =
             Explainer { before: side(given_side), after, roundoff: Some(self.precision.epsilon() / 2.0), state: start };
         let found = exact_differences(given, rounded, &self.given.scene().shapes());
         let mut attributed = explainer.attribute(found, Cause::Representation, None);
-        if let Ok(given) = given {
-            measure_modes(&mut attributed, given, (&self.given, unrounded), self.precision.epsilon() / 2.0);
+        if let Ok(given) = &given_step {
+            measure_modes(&mut attributed, given.into(), (&self.given, unrounded), self.precision.epsilon() / 2.0);
         }
         compared.differences.extend(attributed);
     }
@@ -348,6 +346,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         &mut self,
         before: &State<R>,
         (start, here): (&exact::State, &ClassifiedBlocks<'_>),
+        exact: &StepAnswer,
         compared: &mut ComparedStep,
     ) {
         let (Some(stepper), Some(oracle)) = (&compared.stepper, &compared.oracle) else { return };
@@ -374,7 +373,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         for attributed in attributed.iter_mut().filter(|c| remaining.contains(&c.difference)) {
             attributed.cause = Cause::Defect;
         }
-        measure_modes(&mut attributed, oracle, (&self.rounded, start), self.precision.epsilon() / 2.0);
+        measure_modes(&mut attributed, exact.into(), (&self.rounded, start), self.precision.epsilon() / 2.0);
         compared.differences.extend(attributed);
     }
 

@@ -7,7 +7,7 @@ use rockproof_model::simulation::{JointProperties, Simulation};
 use rockproof_model::{Block, Body, Contact, Number, Precision, Scene, ToleranceSet, Vec3};
 use rockproof_oracle::PreparedBlock;
 use rockproof_oracle::step::{
-    self, CertifiedStep, EnclosedStep, KeptPrecision, ModeMargin, StepAnswer, StepFailure, StepModel,
+    self, CertifiedStep, DecidedAttempt, EnclosedStep, KeptPrecision, ModeMargin, StepAnswer, StepFailure, StepModel,
 };
 
 /// A number that an engine's precision cannot hold, by its name in files.
@@ -143,9 +143,9 @@ impl ExactScene {
         self.with_model(|model| step::enclosed_step(model, state))
     }
 
-    /// How close the modes of one step were, solve by solve and contact by contact; empty where that is not known.
-    pub fn mode_margins(&self, state: &step::State) -> Vec<Vec<ModeMargin>> {
-        self.with_model(|model| step::mode_margins(model, state)).unwrap_or_default()
+    /// How close the modes of a step that is decided were, solve by solve and contact by contact; empty where that is not known.
+    pub fn mode_margins(&self, state: &step::State, decided: DecidedAttempt<'_>) -> Vec<Vec<ModeMargin>> {
+        self.with_model(|model| step::mode_margins(model, state, decided)).unwrap_or_default()
     }
 
     /// The blocks where a state has them.
