@@ -257,12 +257,12 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
                     contacts: unrounded.1.contacts(scene, unrounded.0, &self.differing),
                 };
                 let (ideal, given) = (link(&self.ideal), (!alike).then(|| link(&self.given)));
-                let decide = || {
-                    let given = || given.map(|given| given.decide(unrounded.0));
-                    rayon::join(|| ideal.decide(unrounded.0), given)
+                let decide = || ExactLinks {
+                    ideal: ideal.decide(unrounded.0),
+                    given: given.map(|given| given.decide(unrounded.0)),
                 };
-                let (exact, (ideal, given)) = rayon::join(make, decide);
-                (exact, Some(ExactLinks { ideal, given }))
+                let (exact, links) = beside_one_another(make, decide);
+                (exact, Some(links))
             }
         };
         if let Some(links) = links {
@@ -432,6 +432,15 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             }
         };
         Some(StepPenetrations { stepper, contacts, modes, oracle })
+    }
+}
+
+/// Does two pieces of work on two threads. On a thread of a pool, as in a campaign, one after the other: there all threads have work, and one that waits for
+/// the second piece would begin another step in the midst of this one.
+fn beside_one_another<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
+    match rayon::current_thread_index() {
+        None => rayon::join(one, other),
+        Some(_) => (one(), other()),
     }
 }
 
