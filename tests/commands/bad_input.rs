@@ -14,7 +14,7 @@ fn run(arguments: &[&str], directory: &Path) -> (Option<i32>, String) {
 }
 
 fn check_all(cases: &[Case]) {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = crate::place::folder();
     let mut wrong = Vec::new();
     for (i, (name, contents, parts)) in cases.iter().enumerate() {
         let name = name.replacen('.', &format!("{i}."), 1);
@@ -48,7 +48,7 @@ fn change(text: &str, from: &str, to: &str) -> String {
 
 #[test]
 fn the_unchanged_files_are_good() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = crate::place::folder();
     let files = [("a.dda", DDA), ("a.vtk", VTK), ("b.vtk", VTK5), ("a.voro", CELL), ("a.toml", MESH), ("a.obj", OBJ)];
     for (name, contents) in files {
         std::fs::write(directory.path().join(name), contents).unwrap();
@@ -240,7 +240,7 @@ fn broken_toml_scenes() {
 
 #[test]
 fn files_that_are_none() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = crate::place::folder();
     let path = |name: &str| directory.path().join(name);
     std::fs::write(path("good.obj"), OBJ).unwrap();
     std::fs::write(path("large.obj"), change(OBJ, "v 1 0 0", "v 1e39 0 0")).unwrap();
@@ -319,7 +319,7 @@ fn greedy_files() {
 
 #[test]
 fn violated_rules_exit_1_with_what_would_satisfy_them() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = crate::place::folder();
     std::fs::write(directory.path().join("a.obj"), OBJ).unwrap();
     let mut command = Command::cargo_bin("rockproof").unwrap();
     let output = command.current_dir(&directory).args(["check", "a.obj", "--set", "search=1/200"]).output().unwrap();
@@ -336,7 +336,7 @@ fn violated_rules_exit_1_with_what_would_satisfy_them() {
 
 #[test]
 fn convert_writes_what_loads_again() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = crate::place::folder();
     std::fs::write(directory.path().join("a.dda"), DDA).unwrap();
     for (from, to, note) in [
         ("a.dda", "a.toml", ""),
@@ -383,7 +383,7 @@ fn a_closed_pipe_is_no_panic() {
 
 #[test]
 fn a_scene_and_a_block_file_are_called_what_they_are_where_a_case_is_expected() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = crate::place::folder();
     let at = |name: &str| directory.path().join(name);
     std::fs::write(at("scene.toml"), "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n").unwrap();
     std::fs::write(at("blocks.dda"), DDA).unwrap();
@@ -399,7 +399,7 @@ fn a_scene_and_a_block_file_are_called_what_they_are_where_a_case_is_expected() 
 
 #[test]
 fn a_byte_order_mark_is_skipped_in_every_format_of_text() {
-    let directory = tempfile::tempdir().unwrap();
+    let directory = crate::place::folder();
     let marked = |name: &str, text: &[u8]| {
         std::fs::write(directory.path().join(name), [b"\xef\xbb\xbf", text].concat()).unwrap();
         let (code, message) = run(&["check", name, "--planarity", "1e-4"], directory.path());

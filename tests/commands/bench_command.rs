@@ -199,7 +199,7 @@ fn tables_are_to_be_had_as_latex() {
     let (header, _) = table_of(&["bench", "--wall=12", "--steps=2", "--format=csv"]);
     assert!(row.ends_with(" \\\\") && row.matches(" & ").count() + 1 == header.len(), "{row}");
     // Of time against error the front lies beside the CSV.
-    let dir = tempfile::tempdir().unwrap();
+    let dir = crate::place::folder();
     let out = dir.path().join("bench");
     let arguments = ["bench", "--error", "--quick", "--format=latex", "--out", out.to_str().unwrap()];
     let printed = output_of(&arguments);

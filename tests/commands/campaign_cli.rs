@@ -26,7 +26,7 @@ box = { min = [9, 9, 9], max = [10, 10, 10] }
 
 #[test]
 fn classify_writes_the_columns_of_every_contact() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let file = path(dir.path(), "stack.toml");
     fs::write(&file, STACK).expect("write");
     for engine in ["exact", "f64", "f32"] {
@@ -51,7 +51,7 @@ fn classify_writes_the_columns_of_every_contact() {
 #[cfg(not(feature = "mpi"))]
 #[test]
 fn without_mpi_a_build_says_how_to_have_it() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = path(dir.path(), "out");
     let (code, _, err) = campaign(&out, &["--mpi"]);
     assert!(code == 2 && err.contains("--features mpi") && err.contains("docs/scale.md"), "{code}: {err}");
@@ -66,7 +66,7 @@ fn without_mpi_a_build_says_how_to_have_it() {
 
 #[test]
 fn bad_arguments_exit_with_2_and_say_what_is_allowed() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let file = path(dir.path(), "stack.toml");
     let bad = path(dir.path(), "bad.toml");
     fs::write(&file, STACK).expect("write");
@@ -98,7 +98,7 @@ fn bad_arguments_exit_with_2_and_say_what_is_allowed() {
 
 #[test]
 fn campaigns_do_not_depend_on_threads_and_go_on_where_they_were_killed() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let config = path(dir.path(), "campaign.toml");
     fs::write(&config, "chunk = 64\ncases_per_cause = 4\nshrink_evaluations = 40\n").expect("write");
     let [one, two, killed] = ["one", "two", "killed"].map(|name| path(dir.path(), name));
@@ -128,7 +128,7 @@ fn campaigns_do_not_depend_on_threads_and_go_on_where_they_were_killed() {
 
 #[test]
 fn denied_kinds_exit_with_1() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let config = path(dir.path(), "campaign.toml");
     fs::write(&config, "cases_per_cause = 0\n").expect("write");
     let out = path(dir.path(), "out");
@@ -140,7 +140,7 @@ fn denied_kinds_exit_with_1() {
 
 #[test]
 fn cases_replay_and_shrink() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let config = path(dir.path(), "campaign.toml");
     fs::write(&config, "cases_per_cause = 6\nshrink_evaluations = 3\n").expect("write");
     let out = path(dir.path(), "out");
@@ -189,7 +189,7 @@ fn cases_replay_and_shrink() {
 
 #[test]
 fn real_blocks_may_be_as_far_from_planar_as_the_planarity_says() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let config = path(dir.path(), "campaign.toml");
     fs::write(&config, "cases_per_cause = 0\n").expect("write");
     let args = [&config, "--family", "real", "--real", "cases/real/voronoi_120.txt"];

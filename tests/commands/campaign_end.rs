@@ -22,7 +22,7 @@ fn written(dir: &Path, name: &str, text: &str) -> String {
 
 #[test]
 fn the_end_is_the_verdict_a_short_table_and_what_to_do_next() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (code, out, err) = campaign(dir.path(), "run", &["--pairs", "256"]);
     assert_eq!(code, 0, "{err}");
     assert!(out.starts_with("Exactly right on hard pairs: stepper-f32 "), "{out}");
@@ -41,7 +41,7 @@ fn the_end_is_the_verdict_a_short_table_and_what_to_do_next() {
 #[test]
 #[ignore = "ten seconds; .ci/run runs it"]
 fn a_run_goes_on_to_more_pairs() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     assert_eq!(campaign(dir, "whole", &["--pairs", "384"]).0, 0);
     assert_eq!(campaign(dir, "grown", &["--pairs", "192"]).0, 0);
@@ -70,7 +70,7 @@ fn a_run_goes_on_to_more_pairs() {
 
 #[test]
 fn no_pairs_are_no_campaign() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (code, _, err) = campaign(dir.path(), "none", &["--pairs", "0"]);
     assert!(code == 2 && err.contains("--pairs"), "{err}");
     let config = written(dir.path(), "none.toml", "pairs = 0\n");
@@ -88,7 +88,7 @@ fn no_pairs_are_no_campaign() {
 
 #[test]
 fn tolerances_come_from_a_file_too() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let tolerances = written(dir.path(), "mytol.toml", "preset = \"auto\"\nparallel_angle = 5\n");
     let run = |name, more: &[&str]| {
         campaign(dir.path(), name, &[&[WITHOUT_CASES, "--pairs", "64", "--tolerances", &tolerances][..], more].concat())
@@ -119,7 +119,7 @@ fn tolerances_come_from_a_file_too() {
 #[cfg(unix)]
 #[test]
 fn engines_in_a_file_may_be_external() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let command = r#"sed -u -E 's/^."id":([0-9]+),.*/{"id":\\1,"state":"apart"}/'"#;
     let config = format!(
         "pairs = 32\nengines = [\"mine\"]\nshrink_evaluations = 0\n[[external]]\nname = \"mine\"\ncommand = '''{}'''\n",
@@ -150,7 +150,7 @@ fn engines_in_a_file_may_be_external() {
 #[test]
 fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
     use std::io::{BufRead, BufReader};
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
         .args(["campaign", "--pairs", "1000000", "--threads", "1", "--out"])
         .arg(dir.path().join("run"))
@@ -172,7 +172,7 @@ fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
 #[test]
 #[cfg(unix)]
 fn what_is_stopped_before_its_first_chunk_ends_has_no_verdict() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let settings = written(dir.path(), "settings.toml", "pairs = 1000000\nchunk = 65536\n");
     let child = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
         .args(["campaign", &settings, "--threads", "1", "--out"])
@@ -192,7 +192,7 @@ fn what_is_stopped_before_its_first_chunk_ends_has_no_verdict() {
 
 #[test]
 fn the_report_to_come_next_can_be_made_where_there_is_one() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("run");
     let path = out.to_str().expect("text");
     let next = |said: &str| {

@@ -28,7 +28,7 @@ fn cube(dir: &Path, size: f64, digits: usize, triangles: bool) -> PathBuf {
 
 #[test]
 fn a_model_in_millimetres_is_doubted_and_can_be_scaled() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let file = cube(dir.path(), 1000.0, 5, false);
     let file = file.to_str().expect("text");
     let args = |more: &[&'static str]| [&["check", file, "--planarity", "1e-6"][..], more].concat().join(" ");
@@ -53,7 +53,7 @@ fn a_model_in_millimetres_is_doubted_and_can_be_scaled() {
 /// A cube of a millimetre was said to have a volume of 0.000000 m³.
 #[test]
 fn a_small_volume_is_told_in_significant_digits() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let file = dir.path().join("cube.toml");
     for (size, told) in [(0.001, "1.00000e-9"), (0.0625, "2.44141e-4"), (0.5, "0.125000")] {
         fs::write(&file, format!("[[block]]\nbox = {{ min = [0, 0, 0], max = [{size}, {size}, {size}] }}\n"))
@@ -73,7 +73,7 @@ fn cube_with_apex(height: i32) -> String {
 
 #[test]
 fn a_solid_that_pierces_itself_is_refused() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let file = dir.path().join("pierced.toml");
     let (model, out) = (file.to_string_lossy().into_owned(), dir.path().join("run").to_string_lossy().into_owned());
     let check = ["check", &model];
@@ -112,7 +112,7 @@ fn two_cubes_in_millimetres() -> String {
 
 #[test]
 fn every_command_reads_a_file_in_millimetres_as_its_conversion() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let path = |name: &str| dir.path().join(name).to_str().expect("text").to_owned();
     let [mm, metres] = ["two.obj", "two.toml"].map(path);
     fs::write(&mm, two_cubes_in_millimetres()).expect("written");
@@ -162,7 +162,7 @@ fn every_command_reads_a_file_in_millimetres_as_its_conversion() {
 
 #[test]
 fn the_planarity_that_merges_triangles_is_named() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let file = cube(dir.path(), 1.0, 8, true);
     let (_, out, err) = rockproof(&["check", file.to_str().expect("text")]);
     assert!(out.contains("concave              1") && out.contains("rules: all met"), "rounding bent it: {out}");
@@ -187,7 +187,7 @@ fn the_planarity_that_reads_a_file_is_named_once() {
 
 #[test]
 fn merging_that_changes_no_shape_is_not_said_to() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let file = dir.path().join("cube.obj");
     // A corner pulled out where the cut of a face ends, so that the cube stays convex.
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1.0000001 1 1\nf 1 3 4 2\nf 1 2 6 5\nf 1 5 7 3\nf 2 4 8\nf 2 8 6\nf 3 7 8 4\nf 5 6 8 7\n";
@@ -199,7 +199,7 @@ fn merging_that_changes_no_shape_is_not_said_to() {
 
 #[test]
 fn blocks_that_overlap_are_named_where_they_have_names() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let file = dir.path().join("overlap.toml");
     let at = |number: i32, name: &str| {
         format!("[[block]]\n{name}box = {{ min = [{number}, 0, 0], max = [{number}.75, 1, 1] }}\n")

@@ -44,7 +44,7 @@ fn document(text: &str) -> Value {
 
 #[test]
 fn the_same_pairs_tell_everything() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     campaign(dir, "before", "kinds", &["--pairs", "128"]);
     campaign(dir, "after", "none", &["--pairs", "128"]);
@@ -115,7 +115,7 @@ fn a_part_is_compared_with_the_whole_pair_by_pair() {
 
 #[test]
 fn other_pairs_are_compared_by_chance_and_what_one_run_has_is_left_out() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     campaign(dir, "one", "kinds", &["--pairs", "64"]);
     campaign(dir, "two", "kinds", &["--pairs", "64", "--seed", "2"]);
@@ -145,7 +145,7 @@ fn other_pairs_are_compared_by_chance_and_what_one_run_has_is_left_out() {
 
 #[test]
 fn a_code_that_says_only_how_blocks_lie_is_as_often_right_as_its_answers() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     campaign(dir, "before", "apart", &["--pairs", "128"]);
     campaign(dir, "after", "apart", &["--pairs", "128"]);
@@ -170,7 +170,7 @@ fn a_code_that_says_only_how_blocks_lie_is_as_often_right_as_its_answers() {
 
 #[test]
 fn what_is_no_finished_campaign_is_refused() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     campaign(dir, "run", "kinds", &["--pairs", "32"]);
     fs::create_dir(dir.join("empty")).expect("a folder");
@@ -187,7 +187,7 @@ fn what_is_no_finished_campaign_is_refused() {
 
 #[test]
 fn a_quiet_command_says_nothing_but_its_result_and_a_verbose_one_its_cost() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     campaign(dir.path(), "run", "kinds", &["--pairs", "32"]);
     let page = |more: &[&str]| {
         rockproof_in(dir.path(), &[&["compare", "run", "run", "--out", "page", "--overwrite"], more].concat())
@@ -205,7 +205,7 @@ fn a_quiet_command_says_nothing_but_its_result_and_a_verbose_one_its_cost() {
 
 #[test]
 fn shells_and_man_know_every_command() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let help = rockproof_in(dir.path(), &["--help"]).1;
     let commands: Vec<&str> = help
         .lines()

@@ -47,7 +47,7 @@ fn first(rows: &[DiagnosisRow]) -> (&str, u64, u64) {
 #[test]
 #[ignore = "fifteen seconds; .ci/run runs it"]
 fn each_mistake_is_told() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     for (mistake, hypothesis, pairs) in [
         ("f32", "input-in-f32", "512"),
         ("territory", "territory-times-1.01", "2048"),
@@ -73,7 +73,7 @@ fn each_mistake_is_told() {
 
 #[test]
 fn rounding_is_no_mistake_and_a_rare_mistake_is_not_explained_away() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (rows, _) = diagnosed(dir.path(), "order", &["--pairs", "1024"]);
     let (found, answers, differing) = first(&rows);
     assert_eq!((found, answers), ("sums-in-another-order", differing), "{rows:#?}");
@@ -88,7 +88,7 @@ fn rounding_is_no_mistake_and_a_rare_mistake_is_not_explained_away() {
 
 #[test]
 fn a_collision_code_in_f32_is_told_to_be_declared_so() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let pairs = ["--pairs", "256", "--tolerances", "auto"];
     let Some(single) = changed_cpp_client(&dir.path().join("1"), "double", "float") else { return };
     let (rows, said) = diagnosed_engine(dir.path(), "in-f32", &single, &pairs);
@@ -111,7 +111,7 @@ fn a_collision_code_in_f32_is_told_to_be_declared_so() {
 /// Gaps that are all too large by one length, or overlaps that are too deep by one factor, are no doing of f32.
 #[test]
 fn one_length_or_factor_too_many_is_not_told_to_be_f32() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let pairs = ["--pairs", "256", "--tolerances", "auto", "--family", "edge_cross,corner_corner"];
     // One program for all three: to compile it takes longer than to ask it.
     let wrong =
@@ -130,7 +130,7 @@ fn one_length_or_factor_too_many_is_not_told_to_be_f32() {
 
 #[test]
 fn the_diagnosis_is_the_same_however_the_campaign_was_run() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let read = |name: &str| fs::read(dir.path().join(name).join("diagnosis.csv")).expect("a diagnosis");
     let families = ["--pairs", "96", "--family", "face_stack,edge_cross"];
     diagnosed(dir.path(), "sign", &[&families[..], &["--threads", "1"]].concat());
@@ -187,7 +187,7 @@ fn the_diagnosis_is_the_same_however_the_campaign_was_run() {
 
 #[test]
 fn without_external_engines_there_is_none() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("out").to_string_lossy().into_owned();
     let (code, said) = rockproof(&[
         "campaign",
@@ -207,7 +207,7 @@ fn without_external_engines_there_is_none() {
 
 #[test]
 fn replay_says_whether_the_finding_recurs() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     diagnosed(dir.path(), "sign", &["--pairs", "64", "--family", "edge_cross"]);
     let cases = fs::read_dir(dir.path().join("sign/cases")).expect("cases").map(|case| case.expect("a case").path());
     let case = cases.map(|case| case.to_string_lossy().into_owned()).find(|case| case.contains("engine-gap-sign"));

@@ -35,7 +35,7 @@ const FEW: [&str; 4] = ["--family", "face_stack", "--pairs", "32"];
 
 #[test]
 fn answers_that_cannot_be_read_are_not_diagnosed_and_no_contacts_are() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     // Right about the first question, which is about two boxes far from each other.
     let boxes = "case \"$line\" in *'[[0.0,0.0,0.0],'*'[[2.0,0.0,0.0],'*)";
     for answer in ["echo hello world;", "echo \"{\\\"id\\\":$((id+1)),\\\"contacts\\\":[]}\";"] {
@@ -52,7 +52,7 @@ fn answers_that_cannot_be_read_are_not_diagnosed_and_no_contacts_are() {
 
 #[test]
 fn what_a_fresh_process_does_not_say_is_no_case_to_begin_with() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let said = campaign(dir, &format!("[ $((n % 20)) = 0 ] && echo debug: pair $n; {NO_CONTACTS}"), &FEW);
     let malformed = case(dir, "-malformed-");
@@ -69,7 +69,7 @@ fn what_a_fresh_process_does_not_say_is_no_case_to_begin_with() {
 
 #[test]
 fn the_answer_to_a_changed_pair_is_shown() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     // Apart, unless it is a thousandth of the usual size.
     let state = "case $search in 0.00*|*e-*) state=overlapping ;; *) state=apart ;; esac; echo \"{\\\"id\\\":$id,\\\"state\\\":\\\"$state\\\"}\";";
@@ -93,7 +93,7 @@ fn the_answer_to_a_changed_pair_is_shown() {
 
 #[test]
 fn who_misspells_an_engine_is_told_of_all() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let engine = format!("mine={}", client());
     let start =
         ["campaign", "--pairs", "8", "--out", "out", "--engine-command", &engine, "--engine-command", "other=x"];
@@ -106,7 +106,7 @@ fn who_misspells_an_engine_is_told_of_all() {
 
 #[test]
 fn what_recurs_is_told_and_what_came_instead_of_answers() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     // The first answer of a process is to its question, every other to the one before.
     let late = "last=$((id>0?id-1:0)); echo \"{\\\"id\\\":$last,\\\"contacts\\\":[]}\";";
@@ -125,7 +125,7 @@ fn what_recurs_is_told_and_what_came_instead_of_answers() {
 
 #[test]
 fn a_program_that_changed_before_the_run_goes_on_is_told() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let write = |words: &str| fs::write(dir.join("mine.sh"), format!("{ASKED} {NO_CONTACTS} done {words}\n"));
     let run = |pairs: &str, start: &str| {
@@ -154,7 +154,7 @@ fn a_program_that_changed_before_the_run_goes_on_is_told() {
 /// Of an engine that refuses nearly all pairs nothing is found: what ended so must not pass for better.
 #[test]
 fn a_comparison_with_an_engine_that_hardly_answers_is_denied() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let place = dir.path();
     campaign(place, NO_CONTACTS, &FEW);
     fs::rename(place.join("out"), place.join("before")).expect("renamed");

@@ -52,7 +52,7 @@ fn ended(mut child: Child, what: &str) -> Option<i32> {
 
 #[test]
 fn a_signal_ends_hanging_engines_at_once() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let hanging = "sh -c 'echo $$ >>numbers; exec sleep 1000'".to_owned();
     let midway = format!("sh -c 'echo $$ >>numbers; exec {} hang'", client());
@@ -117,7 +117,7 @@ fn a_signal_ends_hanging_engines_at_once() {
 
 #[test]
 fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let engine = format!("mine={} second", client());
     let pairs = ["campaign", CASES_AS_FOUND, "--family", "face_stack", "--pairs", "64"];
@@ -166,7 +166,7 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
 
 #[test]
 fn what_an_engine_says_is_shown_and_not_done() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let engine = format!("mine={} escape", client());
     let campaign =
@@ -192,7 +192,7 @@ fn a_line_after_each_answer_is_malformed_and_not_recovered() {
         format!("n=0; while read line; do {answer}; sleep 0.05; echo late; done"),
         format!("n=0; while read line; do [ $n -gt 0 ] && echo late && sleep 0.005; {answer}; done"),
     ] {
-        let dir = tempfile::tempdir().expect("a folder");
+        let dir = crate::place::folder();
         let config = around(&["sh", "-c", &script], "[[limit]]\nchange = \"malformed\"\ncount = 0\n");
         let config = config.replace("pairs = 256", "pairs = 32").replace("timeout_ms = 500", "timeout_ms = 20000");
         let ran = gate(dir.path(), &config, &[], true);
@@ -204,7 +204,7 @@ fn a_line_after_each_answer_is_malformed_and_not_recovered() {
 
 #[test]
 fn what_this_program_lacks_is_no_finding_about_an_engine() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let engine = format!("mine={}", client());
     let run = |limit: &str, more: &[&str]| {

@@ -34,7 +34,7 @@ const ONLY: [&str; 2] = ["--engine", "mine"];
 
 #[test]
 fn a_client_around_the_stepper_finds_what_the_stepper_finds() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let beside = rows(dir.path(), "beside", &client(), &[CASES_AS_FOUND]);
     let kept = |rows: Vec<Vec<String>>| -> Vec<Vec<String>> {
         rows.into_iter().map(|row| [&row[0..4], &row[6..9]].concat()).collect()
@@ -47,7 +47,7 @@ fn a_client_around_the_stepper_finds_what_the_stepper_finds() {
 #[test]
 #[ignore = "half a minute; .ci/run runs it"]
 fn every_misbehaviour_is_a_finding() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     for (trick, change, more) in [
         ("crash", "crash", &[][..]),
         // Each third question is waited for.
@@ -79,7 +79,7 @@ fn every_misbehaviour_is_a_finding() {
 
 #[test]
 fn threads_and_resuming_change_nothing() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let command = format!("{} crash", client());
     let found = [CASES_AS_FOUND, "--engine", "mine", "--threads"];
     rows(dir.path(), "one", &command, &[&found[..], &["1"]].concat());
@@ -109,13 +109,13 @@ fn the_python_client_agrees_wherever_rounding_cannot_matter() {
     if !there("python3") {
         return skipped("there is no python3 to run examples/engines/client.py with");
     }
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     agrees_wherever_rounding_cannot_matter(dir.path(), &format!("python3 {}", example("client.py").display()));
 }
 
 #[test]
 fn the_cpp_client_agrees_wherever_rounding_cannot_matter() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     if let Some(client) = cpp_client() {
         agrees_wherever_rounding_cannot_matter(dir.path(), &client);
     }
@@ -142,7 +142,7 @@ fn floats(value: &serde_json::Value) -> serde_json::Value {
 
 #[test]
 fn the_cpp_client_and_the_python_client_say_the_same() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let Some(cpp) = cpp_client() else { return };
     if !there("python3") {
         return skipped("there is no python3 to run examples/engines/client.py with");

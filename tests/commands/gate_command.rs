@@ -15,7 +15,7 @@ fn planted(trick: &str, rest: &str) -> String {
 #[test]
 #[ignore = "twenty seconds; .ci/run runs it"]
 fn passes_on_what_is_known_and_fails_on_each_planted_regression() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let baseline = "[baseline]\nfile = \"known.toml\"\n";
     let ran = gate(dir, &planted("", baseline), &["--update-baseline"], false);
@@ -46,7 +46,7 @@ fn passes_on_what_is_known_and_fails_on_each_planted_regression() {
 
 #[test]
 fn the_corpus_is_always_run() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/regressions");
     fs::create_dir_all(dir.join("cases/regressions")).expect("a folder");
@@ -77,7 +77,7 @@ const STEPS: [&str; 2] = ["step-step-length-passage.json", "step-step-length-uns
 
 #[test]
 fn the_corpus_holds_steps_to_what_they_record() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let [passage, unseen] = STEPS.map(|name| {
         let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/regressions").join(name);
@@ -117,7 +117,7 @@ fn the_corpus_holds_steps_to_what_they_record() {
 
 #[test]
 fn the_formats_are_what_their_readers_take() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let limit = "[[limit]]\nengine = \"mine\"\nchange = \"crash\"\ncount = 0\n[[limit]]\ncause = \"defect\"\ncount = 0\n[[limit]]\ncount = 9999\n";
     let ran = gate(dir, &planted("crash", limit), &["--rotating-seed", "7"], true);
@@ -175,7 +175,7 @@ fn the_action_is_yaml_and_asks_for_what_there_is() {
     {
         let named = |out: &str| {
             let script = steps[0]["run"].as_str().expect("a script");
-            let dir = tempfile::tempdir().expect("a directory");
+            let dir = crate::place::folder();
             let file = dir.path().join("output");
             let status = std::process::Command::new("bash")
                 .args(["-euo", "pipefail", "-c", script])
@@ -205,7 +205,7 @@ fn the_action_is_yaml_and_asks_for_what_there_is() {
 
 #[test]
 fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     for (text, message) in [
         ("pears = 3\n", vec!["line 1", "campaign"]),
         ("[campaign]\npears = 3\n", vec!["line 2", "pairs"]),
@@ -266,7 +266,7 @@ fn errors_exit_with_2_and_name_the_place_and_what_is_allowed() {
 
 #[test]
 fn a_campaign_of_other_settings_than_its_baseline_says_so() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let gate_of = |campaign: &str| {
         format!(
             "corpus = []\nrotating_pairs = 16\n[campaign]\nengines = [\"f64\"]\nfamilies = [\"sliver\"]\n{campaign}\n[baseline]\nfile = \"known.toml\"\n"

@@ -8,7 +8,7 @@ const GATE: &str = "corpus = []\n[campaign]\npairs = 16\nfamilies = [\"size_rati
 
 #[test]
 fn a_baseline_that_no_campaign_comes_to_is_refused_or_told() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let ran = gate(dir, GATE, &["--update-baseline"], false);
     assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
@@ -42,7 +42,7 @@ fn a_baseline_that_no_campaign_comes_to_is_refused_or_told() {
 
 #[test]
 fn few_pairs_are_said_to_tell_little_where_they_pass() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let of = |pairs: u32, limit: &str, more: &[&str]| {
         let text = format!(
             "corpus = []\n[campaign]\npairs = {pairs}\nfamilies = [\"sliver\"]\nengines = [\"f64\"]\ntolerances = [\"auto\"]\n\

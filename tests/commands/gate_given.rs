@@ -31,7 +31,7 @@ fn row<'r>(ran: &'r Ran, name: &str) -> &'r str {
 fn a_limit_on_gaps_of_few_states_is_no_pass() {
     // No gap but of one answer in ten.
     let Some(few) = edited(r#"0~10!s/"gap_m":[^,]*,//"#) else { return };
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let limited = ran(dir.path(), &few, &format!("{LIMIT}{STATE}"), &[]);
     let found = row(&limited, "engine mine, change gap");
     assert!(limited.code == 0 && found.starts_with(" skip") && found.contains("mine: gaps given for "), "{found}");
@@ -65,7 +65,7 @@ fn a_limit_on_gaps_of_few_states_is_no_pass() {
 /// An engine that says only how blocks lie where it named contacts is compared less; and a limit on what an engine seldom says is no pass.
 #[test]
 fn states_in_place_of_contacts_are_no_pass() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let contacts = format!("'{}'", client());
     let written = ran(dir.path(), &contacts, BASELINE, &["--update-baseline"]);
     assert_eq!(written.code, 0, "{}{}", written.out, written.err);
@@ -92,7 +92,7 @@ fn states_in_place_of_contacts_are_no_pass() {
 #[test]
 fn an_old_baseline_says_that_it_does_not_know_how_much_was_given() {
     let Some(whole) = edited("") else { return };
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let silent = edited(r#"s/,"gap_m".*/}/"#).expect("built before");
     let written = ran(dir.path(), &whole, BASELINE, &["--update-baseline"]);
     assert_eq!(written.code, 0, "{}{}", written.out, written.err);
@@ -133,7 +133,7 @@ fn an_old_baseline_says_that_it_does_not_know_how_much_was_given() {
 #[test]
 fn compare_says_what_an_older_run_does_not_tell() {
     let Some(whole) = edited("") else { return };
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let campaign = |out: &str, engine: &str| {
         let command = toml::Value::from(engine).to_string();
@@ -177,7 +177,7 @@ fn compare_says_what_an_older_run_does_not_tell() {
 #[test]
 fn a_case_about_a_gap_is_not_mended_by_silence() {
     let Some(wrong) = edited(r#"s/"gap_m":[^,]*/"gap_m":7/"#) else { return };
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let failed = ran(dir, &wrong, LIMIT, &[]);
     assert_eq!(failed.code, 1, "{}{}", failed.out, failed.err);
@@ -218,7 +218,7 @@ fn a_case_about_a_gap_is_not_mended_by_silence() {
 /// That blocks which touch have the gap 0 says nothing of gaps, nor do gaps of blocks that are not convex, which nothing is held beside.
 #[test]
 fn gaps_that_say_nothing_are_not_counted() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let answered = |by: &str| format!(r#"s/^{{"id":\([0-9]*\),.*/{{"id":\1,{by}}}/"#);
     let touching = answered(r#""state":"touching","gap_m":0"#);
     let ran_with = |edit: &str, families: &str| {
@@ -242,7 +242,7 @@ fn gaps_that_say_nothing_are_not_counted() {
 /// An engine that names contacts, and says how blocks lie where there is none, says no less than it did in an older baseline or run.
 #[test]
 fn an_engine_that_says_both_says_no_less_than_before() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let both = format!("'{}' | sed -u 's/\"contacts\":\\[\\]/\"state\":\"apart\"/'", client());
     let written = ran(dir, &both, BASELINE, &["--update-baseline"]);
@@ -289,7 +289,7 @@ fn an_engine_that_says_both_says_no_less_than_before() {
 /// Of other pairs, as with another seed, a share may be another by chance.
 #[test]
 fn another_seed_is_not_held_for_the_same_pairs() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let edit = r#"s/"entrance":"[^"]*","entrance_a":0,"entrance_b":[0-9]*,\("feature_a":[0-9]*,"feature_b":[0-9]*,\)"gap_sign":[-0-9]*,/\1/g"#;
     let engine = format!("'{}' | sed -u '{edit}'", client());
     let with = |seed: u64, more: &[&str]| {
@@ -315,7 +315,7 @@ fn another_seed_is_not_held_for_the_same_pairs() {
 /// so does one about a crash where the engine says how blocks lie.
 #[test]
 fn cases_pass_as_recorded_and_mended() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let last = r#"s/\(.*\)"entrance":[^,]*,"entrance_a":[^,]*,"entrance_b":[^,]*,\(.*\)"gap_sign":[-0-9]*,/\1\2/"#;
     let wrong = r#"s/"gap_sign":0/"gap_sign":1/;t;s/"gap_sign":1/"gap_sign":-1/;t;s/"gap_sign":-1/"gap_sign":1/"#;

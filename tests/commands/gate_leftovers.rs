@@ -11,7 +11,7 @@ const PASSES: &str = "corpus = []\n[campaign]\npairs = 16\n[[limit]]\ncause = \"
 /// A gate that ends before it has checked anything must not leave the green report of the gate before.
 #[test]
 fn no_report_of_an_earlier_gate_stays() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let report = dir.path().join("junit.xml");
     let ran = gate(dir.path(), PASSES, &[], false);
     assert!(ran.code == 0 && report.exists(), "{}{}", ran.out, ran.err);
@@ -30,7 +30,7 @@ fn no_report_of_an_earlier_gate_stays() {
 /// Nor may it put its report in the place of a file of its own, make minutes of work before it sees that it cannot write, or leave a folder unmade.
 #[test]
 fn reports_are_written_where_they_can_be() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let rockproof = |args: &[&str], summary: &str| {
         let mut command = Command::cargo_bin("rockproof").expect("the program");
         let command = command.current_dir(dir.path()).args(["gate", "gate.toml"]).args(args);
@@ -51,7 +51,7 @@ fn reports_are_written_where_they_can_be() {
 
 #[test]
 fn neither_takes_the_directory_of_the_other() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let rockproof = |args: &[&str]| {
         let output = Command::cargo_bin("rockproof").expect("the program").current_dir(dir).args(args).output();
@@ -81,7 +81,7 @@ fn neither_takes_the_directory_of_the_other() {
 #[cfg(unix)]
 #[test]
 fn the_command_that_replays_can_be_pasted() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let client = client();
     let text = around(&[&client, "none"], "[[limit]]\nengine = \"mine\"\ncount = 0\n").replace("256", "64");
@@ -110,7 +110,7 @@ fn the_command_that_replays_can_be_pasted() {
 /// Of what is wrong with a value of the campaign the line is told, in a gate file as in the settings of a campaign.
 #[test]
 fn errors_about_values_of_the_campaign_have_their_line() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let external = |lines: &str| format!("chunk = 16\n[[external]]\nname = \"mine\"\n{lines}\n");
     for (text, line, wanted) in [

@@ -65,7 +65,7 @@ fn mistakes_in_the_stepper_fail_and_the_stepper_passes_at_full_size() {
 }
 
 fn mistakes_fail(gate: &str) {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let config = GateConfig::from_toml(gate, "gate.toml").expect("good");
     let baseline = config.baseline.as_ref().expect("there is one");
     let clean = tally(dir.path(), &config.campaign, None);
@@ -112,7 +112,7 @@ fn fails(dir: &Path, command: &[String], changes: &[&str], more: &[&str]) -> Vec
 #[test]
 #[ignore = "six seconds; .ci/run runs it"]
 fn wrong_contacts_fail() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let changes = ["missing", "extra", "kind", "entrance", "gap-sign", "crash", "timeout", "malformed", "unsupported"];
     let corner =
         r#"{"kind":"v-v","feature_a":0,"feature_b":0,"entrance":"v-f","entrance_a":0,"entrance_b":0,"gap_sign":1}"#;
@@ -134,7 +134,7 @@ fn wrong_contacts_fail() {
 #[test]
 #[ignore = "six seconds; .ci/run runs it"]
 fn wrong_states_gaps_and_normals_fail() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let Some(engine) = cpp_client() else { return };
     let changes = ["state", "gap", "normal"];
     assert_eq!(fails(dir.path(), &filtered(&engine, ""), &changes, &[]), [""; 0], "the clean engine");
@@ -151,7 +151,7 @@ fn wrong_states_gaps_and_normals_fail() {
 
 #[test]
 fn who_changes_their_mind_fails() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let (place, client) = (dir.path().join("started").display().to_string(), client());
     // The first process is honest, the second one keeps contacts back.
     let moody = format!("if mkdir '{place}' 2>/dev/null; then exec '{client}'; else exec '{client}' none; fi");
@@ -174,7 +174,7 @@ fn who_changes_their_mind_fails() {
 /// Of an engine that says only how blocks lie, and is asked twice whatever the gate says: it agrees, or is wrong, or changes its mind as when the case was made.
 #[test]
 fn cases_of_unstable_states_are_judged() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let known = include_str!("../../cases/regressions/v-v-arithmetic-swap.toml");
     let (_, tolerances) = known.split_once("[tolerances]").expect("tolerances");
@@ -215,7 +215,7 @@ const COARSE_BASELINE: &str =
 
 #[test]
 fn what_is_known_may_not_become_more_frequent() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let (dir, client) = (dir.path(), client());
     // Keeps all contacts back in one pair of three; the rates of this are the known ones.
     let text = |command: &[&str]| {
@@ -254,7 +254,7 @@ fn what_is_known_may_not_become_more_frequent() {
 
 #[test]
 fn the_rotating_seed_is_the_one_given_or_the_day() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let rotating = "rotating_pairs = 64\n";
     let limit = "[[limit]]\ncause = \"defect\"\ncount = 0\n";

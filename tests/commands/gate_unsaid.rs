@@ -19,7 +19,7 @@ fn bare() -> Vec<String> {
 /// A limit on what an engine leaves unsaid of its contacts is not looked at, and none on its answers; the others are, and it is said what is missing.
 #[test]
 fn a_limit_on_entrances_that_an_engine_never_gives_is_skipped() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let limit = |change: &str| format!("[[limit]]\nengine = \"mine\"\nchange = \"{change}\"\ncount = 9999\n");
     let unsaid = format!("{}{}", limit("gap-sign"), limit("entrance"));
     let ran = gate(dir.path(), &around_few(&bare(), &unsaid), &[], false);
@@ -45,7 +45,7 @@ fn a_limit_on_entrances_that_an_engine_never_gives_is_skipped() {
 /// An engine that leaves unsaid what it said when the baseline was written has no finding that is new, and fails all the same.
 #[test]
 fn an_engine_that_says_less_than_in_the_baseline_fails() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let baseline = "[baseline]\nfile = \"known.toml\"\n";
     let whole = around_few(&[client(), String::new()], baseline);
     let ran = gate(dir.path(), &whole, &["--update-baseline"], false);
@@ -70,7 +70,7 @@ fn an_engine_that_says_less_than_in_the_baseline_fails() {
 /// Campaigns say of how many contacts entrances were given, tables do not show 0 of what was never said, and `compare` tells an engine that says less.
 #[test]
 fn what_an_engine_leaves_unsaid_is_told_by_campaign_report_and_compare() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let campaign = |out: &str, command: &[String]| {
         let words: Vec<String> = command.iter().map(|word| toml::Value::from(word.as_str()).to_string()).collect();
@@ -126,7 +126,7 @@ const NEITHER: &str = r#"s/,"gap_m".*/}/"#;
 /// The same of an engine that says how blocks lie, and never how far apart or in which direction.
 #[test]
 fn a_limit_on_gaps_or_normals_that_an_engine_never_gives_is_skipped() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let apart = ["sed", "-u", r#"s/^{"id":\([0-9]*\),.*/{"id":\1,"state":"apart"}/"#].map(str::to_owned);
     let limit = |change: &str| format!("[[limit]]\nengine = \"mine\"\nchange = \"{change}\"\ncount = 0\n");
     for changes in [&["gap"][..], &["normal"], &["gap", "normal"]] {
@@ -162,7 +162,7 @@ fn a_limit_on_gaps_or_normals_that_an_engine_never_gives_is_skipped() {
 #[test]
 fn an_engine_that_says_less_of_how_blocks_lie_than_in_the_baseline_fails() {
     let Some(whole) = of_states("") else { return };
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let baseline = "[baseline]\nfile = \"known.toml\"\n";
     let ran = gate(dir.path(), &around_few(&whole, baseline), &["--update-baseline"], false);
     assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
@@ -196,7 +196,7 @@ fn an_engine_that_says_less_of_how_blocks_lie_than_in_the_baseline_fails() {
 #[test]
 fn gaps_and_normals_that_are_not_given_are_told_by_campaign_report_and_compare() {
     let Some(whole) = of_states("") else { return };
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let campaign = |out: &str, command: &[String], more: &[&str]| {
         let words: Vec<String> = command.iter().map(|word| toml::Value::from(word.as_str()).to_string()).collect();

@@ -22,7 +22,7 @@ const OF_MINE: &str = "[[limit]]\nengine = \"mine\"\ntolerances = \"auto\"\nbeyo
 #[cfg(unix)]
 #[test]
 fn an_engine_that_answers_nothing_fails() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     for (answer, told) in [(r#""unsupported":"not today""#, "unsupported "), (r#""contact":[]"#, "malformed ")] {
         let engine = always(answer);
@@ -50,7 +50,7 @@ fn an_engine_that_answers_nothing_fails() {
 #[cfg(unix)]
 #[test]
 fn an_engine_that_no_limit_concerns_fails_and_a_limit_that_concerns_none_is_skipped() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let empty = always(r#""contacts":[]"#);
     let ran = gate(dir.path(), &around_engine(&empty, DEFECT), &[], false);
     assert!(
@@ -143,7 +143,7 @@ fn own(dir: &Path, campaign: &str, rest: &str) -> (i32, String) {
 
 #[test]
 fn a_gate_with_nothing_to_check_is_refused() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     // What is deeper is not looked at.
     std::fs::create_dir_all(dir.path().join("empty/deep")).expect("folders");
     std::fs::write(dir.path().join("empty/deep/case.toml"), "").expect("written");
@@ -158,7 +158,7 @@ fn a_gate_with_nothing_to_check_is_refused() {
 
 #[test]
 fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let sliver = "pairs = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nengines = [\"stepper-f64\"]\n";
     for (limit, why) in [
         ("change = \"passage\"", "no pair makes steps (campaign.steps_every is 0)"),
@@ -228,7 +228,7 @@ fn a_limit_that_nothing_can_break_is_refused_or_skipped() {
 #[cfg(unix)]
 #[test]
 fn a_limit_on_what_an_engine_does_not_say_is_none_on_its_answers() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let apart = always(r#""state":"apart","gap":1"#);
     let contacts = always(r#""contacts":[]"#);
     for (engine, limit, passes) in [
@@ -250,7 +250,7 @@ fn a_limit_on_what_an_engine_does_not_say_is_none_on_its_answers() {
 
 #[test]
 fn a_rate_says_from_where_on_it_fails_and_is_skipped_where_it_cannot() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let sliver = "pairs = 16\nfamilies = [\"sliver\"]\ntolerances = [\"auto\"]\nengines = [\"stepper-f64\"]\n";
     let (code, said) = own(dir.path(), sliver, "[[limit]]\ncause = \"defect\"\nrate = 0.001\n");
     // 1 − 0.999¹⁶ is 1.6 %; two of sixteen come by chance with 1.2e-4.
@@ -265,7 +265,7 @@ fn a_rate_says_from_where_on_it_fails_and_is_skipped_where_it_cannot() {
 #[cfg(unix)]
 #[test]
 fn deny_says_which_causes_do_not_concern_external_engines() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let engine = format!("mine={} none", client());
     let run = |more: &[&str]| {
         let mut command = assert_cmd::Command::cargo_bin("rockproof").expect("the program");
@@ -292,7 +292,7 @@ fn deny_says_which_causes_do_not_concern_external_engines() {
 #[cfg(unix)]
 #[test]
 fn what_is_no_answer_is_no_rounding() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let beyond = "[[limit]]\nengine = \"mine\"\nbeyond_ulps = 1000\ncount = 0\n";
     // Of two of three pairs the answers are right. For more lines after a malformed one it is waited, so of it the pairs are fewer.
     let around_trick = |trick: &str, rest: &str| {
@@ -363,7 +363,7 @@ fn a_campaign_that_compared_nothing_is_denied() {
 /// A mistake shows as very many sorts of finding that the baseline does not know: what it is is told.
 #[test]
 fn a_gate_that_fails_says_what_is_wrong_with_an_engine() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let baseline = "[baseline]\nfile = \"known.toml\"\ncauses = [\"engine\"]\n";
     let ran = gate(dir, &around(&[&client(), ""], baseline), &["--update-baseline"], false);

@@ -19,7 +19,7 @@ fn model(name: &str) -> String {
 
 #[test]
 fn check_says_the_same_to_programs() {
-    let place = tempfile::tempdir().expect("a directory");
+    let place = crate::place::folder();
     let file = model("slope_joints.dda");
     let args = ["check", &file, "--tolerances", "shi"];
     let (code, text, _) = rockproof_in(place.path(), &args);
@@ -49,7 +49,7 @@ fn check_says_the_same_to_programs() {
 
 #[test]
 fn campaigns_and_gates_say_the_same_to_programs() {
-    let place = tempfile::tempdir().expect("a directory");
+    let place = crate::place::folder();
     let args = ["campaign", "--pairs", "128", "--family", "sliver", "--tolerances", "auto", "--out", "found"];
     let found = document(place.path(), 0, &args);
     let run: Value =
@@ -105,7 +105,7 @@ fn the_stress_set_is_one_document() {
 
 #[test]
 fn a_search_says_the_same_to_programs() {
-    let place = tempfile::tempdir().expect("a directory");
+    let place = crate::place::folder();
     let file = model("smallEdge.dda");
     let args = ["tune", &file, "--candidates", "3", "--steps", "4", "--out", "found"];
     let (code, out, _) = rockproof_in(place.path(), &[&args[..], &["--format", "json"]].concat());
@@ -124,7 +124,7 @@ fn answer(args: &[&str]) -> (i32, Value) {
 
 #[test]
 fn runs_say_the_same_to_programs() {
-    let place = tempfile::tempdir().expect("a directory");
+    let place = crate::place::folder();
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/handmade/incline_1_4_settled.toml");
     let scene = scene.display().to_string();
     let run = |args: &[&str]| document(place.path(), 0, &[&["simulate", &scene, "--steps", "4"], args].concat());

@@ -41,7 +41,7 @@ fn begun(run: &Path) {
 #[test]
 #[ignore = "ten seconds; .ci/run runs it"]
 fn killed_interrupted_and_out_of_room_it_goes_on_to_the_same_bytes() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     fs::write(dir.join("settings.toml"), SETTINGS).expect("write");
     assert!(campaign(dir, "whole", &[]).status().expect("runs").success());
@@ -91,7 +91,7 @@ fn engine_counts(run: &mut BTreeMap<String, Vec<u8>>) -> [u64; 3] {
 
 #[test]
 fn without_open_files_it_ends_and_goes_on() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     fs::write(dir.join("settings.toml"), format!("{SETTINGS}shrink_evaluations = 0\n")).expect("settings");
     for files in 4..=7 {
@@ -110,7 +110,7 @@ fn without_open_files_it_ends_and_goes_on() {
 /// Case files are called after the engine among others, and no file system takes a name of more than 255 bytes.
 #[test]
 fn an_engine_may_have_a_name_of_300_characters() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let (name, command) = ("e".repeat(300), toml::Value::from(client()));
     let settings = format!(

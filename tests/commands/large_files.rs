@@ -21,7 +21,7 @@ fn enlarge(file: &Path, gigabytes: u64) {
 
 #[test]
 fn a_row_without_end_is_refused() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     for run in ["was", "run"] {
         let (code, err) = bounded(dir, &["campaign", WITHOUT_CASES, "--pairs", "64", "--threads", "1", "--out", run]);
@@ -42,7 +42,7 @@ fn a_row_without_end_is_refused() {
 
 #[test]
 fn files_that_are_read_whole_are_refused_unread() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let run = ["campaign", WITHOUT_CASES, "--pairs", "64", "--threads", "1", "--out", "run"];
     let (code, err) = bounded(dir, &run);

@@ -49,7 +49,7 @@ fn tables_for_a_paper_are_latex() {
     if !is_installed() {
         return;
     }
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let path = |name: &str| dir.path().join(name).to_str().expect("text").to_owned();
     let [campaign, lockstep, report] = ["campaign", "lockstep", "report"].map(path);
     rockproof(

@@ -85,7 +85,7 @@ const TOLERANCES: [&str; 12] = [
 
 #[test]
 fn no_number_means_nothing() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let refused = |text: &str, key: &str, arguments: &[&str]| {
         let file = "settings.toml";
@@ -147,7 +147,7 @@ fn no_key_is_forgotten() {
 /// What is found in a chunk waits in memory until the chunk ends.
 #[test]
 fn a_chunk_is_bounded() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     for chunk in [0, 65_537, i64::MAX] {
         for pairs in [16, i64::MAX] {

@@ -21,7 +21,7 @@ const SETTINGS: &str =
 
 #[test]
 fn a_passage_is_found_denied_kept_and_replayed() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     fs::write(dir.join("settings.toml"), SETTINGS).expect("written");
     let (code, out) = rockproof(dir, &[&CAMPAIGN[..], &["--deny", "passage"]].concat());
@@ -82,7 +82,7 @@ fn the_end_names_them(dir: &Path, out: &str) {
 
 #[test]
 fn a_merge_names_passages_too() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     fs::write(dir.join("settings.toml"), SETTINGS).expect("written");
     assert_eq!(rockproof(dir, &["campaign", "settings.toml", "--out", "part", "--part", "1/1"]).0, 0);
@@ -93,7 +93,7 @@ fn a_merge_names_passages_too() {
 
 #[test]
 fn a_gate_limits_passages_by_count_and_rate() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let campaign = "corpus = []\n[campaign]\npairs = 16\nsteps_every = 1\nshrink_evaluations = 0\nfamilies = [\"passage\"]\nengines = [\"stepper-f64\"]\n\
          tolerances = [\"auto@max_displacement*128\"]\n[[limit]]\nfamily = \"passage\"\n";
     for (limit, code) in [
@@ -122,7 +122,7 @@ fn a_gate_limits_passages_by_count_and_rate() {
 
 #[test]
 fn a_baseline_holds_findings_about_steps() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let text = "corpus = []\n[campaign]\npairs = 16\nsteps_every = 1\nshrink_evaluations = 0\nfamilies = [\"passage\"]\nengines = [\"stepper-f64\"]\n\
          tolerances = [\"auto@max_displacement*128\"]\n[baseline]\nfile = \"known.toml\"\ncauses = [\"step-length\"]\nfields = [\"cause\", \"change\", \"family\"]\n";
@@ -152,7 +152,7 @@ fn a_baseline_holds_findings_about_steps() {
 /// One case of a cause may be kept here, and one of its passages and of its unseen overlaps beside it.
 #[test]
 fn passages_have_cases_whatever_else_has() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let settings = SETTINGS.replace(
         "pairs = 16",
         "pairs = 64\ncases_per_cause = 4\ntolerances = [\"auto\", \"auto@max_displacement*128\"]",
@@ -176,7 +176,7 @@ fn passages_have_cases_whatever_else_has() {
 
 #[test]
 fn a_passage_that_stays_undecided_is_not_said_to_recur() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     // A cube that falls in the notch of a U. No vertex of the U sees all of it, so that none passes through is not shown.
     fs::write(dir.join("case.json"), include_str!("../step_cases/undecided_passage.json")).expect("written");

@@ -23,7 +23,7 @@ pub(crate) fn run() -> &'static Path {
 
 /// A copy of it to damage.
 pub(super) fn copy() -> (tempfile::TempDir, String) {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let steps = ["step_findings.csv", "step_summary.csv"];
     for name in ["run.json", "findings.csv", "agreement.csv", "confusion.csv", "summary.csv"].into_iter().chain(steps) {
         fs::copy(run().join(name), dir.path().join(name)).expect(name);
@@ -40,7 +40,7 @@ pub(super) fn copy() -> (tempfile::TempDir, String) {
 /// A command that the page has for its reader runs as it stands there.
 #[test]
 fn findings_of_an_external_engine_are_replayed_with_it() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("run");
     let (path, mine) = (out.to_str().expect("text"), format!("mine={} sign", crate::engines::client()));
     let settings = ["--pairs", "64", "--family", "sliver", "--tolerances", "auto", "--engine", "mine"];
@@ -219,7 +219,7 @@ fn a_report_is_replaced_only_when_asked() {
 
 #[test]
 fn what_is_no_run_is_refused() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let empty = dir.path().to_str().expect("text");
     let (code, _, err) = rockproof(&["report", empty]);
     assert!(code == 2 && err.contains("an empty directory") && err.contains("findings.csv"), "{err}");
@@ -301,7 +301,7 @@ fn names_are_escaped() {
 
 #[test]
 fn a_stress_set_and_measurements_are_read_from_their_tables_alone() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("report");
     let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
     let [stress, bench] = ["stress", "bench"].map(|name| reports.join(name).to_str().expect("text").to_owned());
@@ -355,7 +355,7 @@ fn damage_of_a_stress_set_is_named() {
         ("limits.csv", "clean_to", "clean", "clean_to"),
         ("steps.csv", "rest,rigid,stepper-f32,1,", "rest,rigid,stepper-f32,many,", "level is \"many\""),
     ] {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         for file in ["stress.csv", "limits.csv", "steps.csv"] {
             fs::copy(kept.join(file), dir.path().join(file)).expect(file);
         }
@@ -370,7 +370,7 @@ fn damage_of_a_stress_set_is_named() {
 
 /// The verdict and the rows of the page's table of agreement about an engine that says the same of every pair.
 fn says_always(answer: &str) -> (String, usize) {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("run");
     let out = out.to_str().expect("text");
     let engine = format!(r#"mine=sed -u -E 's/^."id":([0-9]+),.*/{{"id":\1,{answer}}}/'"#);

@@ -186,7 +186,7 @@ fn the_page_works_in_a_browser() {
         eprintln!("not tested: there is no chromium in PATH");
         return;
     };
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let at = |name: &str| dir.join(name).display().to_string();
     rockproof(&["campaign", "--pairs", "192", "--seed", "3", "--tolerances", "auto,shi", "--out", &at("run")]);

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 #[test]
 fn where_no_step_was_made_nothing_is_said_of_overlaps() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("still").display().to_string();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/approaching_vertices.toml");
     let (code, said, err) = rockproof(&["simulate", scene, "--steps", "0", "--out", &out]);
@@ -21,7 +21,7 @@ fn where_no_step_was_made_nothing_is_said_of_overlaps() {
 /// Two blocks that loads press 3 cm deep into a wall, and the same as exact steps, which have no report.
 #[test]
 fn the_verdict_says_how_deep_audited_runs_went_and_names_exact_runs() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let path = |name: &str| dir.path().join(name).display().to_string();
     let scene = "[simulation]\ngravity = [0, 0, 0]\nsteps = 9\ndynamic = 0\n[[joint]]\nfriction = 0\nnormal_stiffness = 1e9\n\
         [[block]]\nfixed = true\nbox = { min = [0, -2, -2], max = [1, 2, 2] }\n\
@@ -47,7 +47,7 @@ fn the_verdict_says_how_deep_audited_runs_went_and_names_exact_runs() {
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_named_twice_is_refused() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let run = run().to_str().expect("text");
     let link = dir.path().join("link");
     std::os::unix::fs::symlink(run, &link).expect("a link");

@@ -42,7 +42,7 @@ struct WorkDir(tempfile::TempDir);
 
 impl WorkDir {
     fn new() -> WorkDir {
-        let place = WorkDir(tempfile::tempdir().expect("a directory"));
+        let place = WorkDir(crate::place::folder());
         fs::write(place.at("model.toml"), SCENE).expect("write");
         place
     }

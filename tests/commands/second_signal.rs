@@ -73,7 +73,7 @@ fn cubes([along, across, up]: [u32; 3]) -> String {
 #[test]
 #[ignore = "twelve seconds; .ci/run runs it"]
 fn a_second_signal_ends_the_program_at_once() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let campaign =
         "pairs = 64\nsteps_every = 1\nsteps = 100000\nfamilies = [\"face_stack\"]\ntolerances = [\"auto\"]\n";

@@ -340,7 +340,7 @@ fn help_shows_examples() {
 /// A model that fixes nothing falls, which is said; `--hold-lowest` fixes what `examine` holds, which names that.
 #[test]
 fn a_model_that_fixes_nothing_stands_on_its_lowest_blocks() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let path = |name: &str| dir.path().join(name).to_str().expect("text").to_owned();
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let run = |args: &[&str]| {

@@ -197,7 +197,7 @@ fn json(file: &Path) -> serde_json::Value {
 
 #[test]
 fn a_run_killed_after_any_step_goes_on_to_the_same_bytes() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let whole = dir.path().join("whole");
     let mut killed = Vec::new();
     let kill = &mut |step: i64| {
@@ -224,7 +224,7 @@ fn a_run_killed_after_any_step_goes_on_to_the_same_bytes() {
 
 #[test]
 fn a_run_asked_to_stop_goes_on_to_the_same_bytes() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let [whole, parts] = ["whole", "parts"].map(|name| dir.path().join(name));
     simply(&whole, JOB).expect("a run");
     // Stopped after every single step.
@@ -247,7 +247,7 @@ fn a_run_asked_to_stop_goes_on_to_the_same_bytes() {
 
 #[test]
 fn a_run_can_be_made_longer() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let [whole, longer] = ["whole", "longer"].map(|name| dir.path().join(name));
     simply(&whole, JOB).expect("a run");
     simply(&longer, Job { steps: 6, ..JOB }).expect("a run");
@@ -261,7 +261,7 @@ fn a_run_can_be_made_longer() {
 
 #[test]
 fn a_run_that_cannot_go_on_keeps_its_last_good_state() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("out");
     let Ending::Stopped(stopped) = simply(&out, Job { wall: 7, ..JOB }).expect("a run") else { panic!("it went on") };
     assert!(
@@ -285,7 +285,7 @@ fn a_run_that_cannot_go_on_keeps_its_last_good_state() {
 
 #[test]
 fn other_runs_and_damaged_ones_are_refused() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("out");
     simply(&out, JOB).expect("a run");
     assert!(matches!(simply(&out, JOB), Err(ResultsError::Occupied { .. })));
@@ -336,7 +336,7 @@ fn values<T>(file: &roxmltree::Document, place: &str, name: &str, read: fn([u8; 
 
 #[test]
 fn the_pictures_are_what_the_format_asks_for() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("out");
     simply(&out, JOB).expect("a run");
     let text = fs::read_to_string(out.join("blocks.pvd")).expect("a list");
@@ -388,7 +388,7 @@ fn the_pictures_are_what_the_format_asks_for() {
 
 #[test]
 fn the_tables_say_what_happened() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("out");
     simply(&out, JOB).expect("a run");
     let rows = |name: &str| -> Vec<BTreeMap<String, String>> {

@@ -28,7 +28,7 @@ fn a_short_soak_finds_nothing_wrong() {
 #[test]
 #[ignore = "ten seconds; .ci/run runs it"]
 fn a_program_that_loses_a_byte_is_found() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let lossy = dir.path().join("lossy");
     let program = assert_cmd::cargo::cargo_bin("rockproof");
     let script = format!(
@@ -45,7 +45,7 @@ fn a_program_that_loses_a_byte_is_found() {
 
 #[test]
 fn a_clock_that_does_not_reach_the_program_is_found() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let own = dir.path().join("own");
     let program = assert_cmd::cargo::cargo_bin("rockproof");
     fs::write(&own, format!("#!/bin/sh\nunset LD_PRELOAD\nexec '{}' \"$@\"\n", program.display())).expect("write");

@@ -30,7 +30,7 @@ fn run(out: &Path, more: &[&str]) -> (i32, String, String) {
 
 #[test]
 fn the_tables_are_those_kept_in_reports_and_do_not_depend_on_threads() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (code, printed, err) = run(&dir.path().join("one"), &["--threads", "1"]);
     assert_eq!(code, 0, "{err}");
     for word in ["safe to", "offset", "sliver", "contrast", "limits.csv"] {
@@ -48,7 +48,7 @@ fn the_tables_are_those_kept_in_reports_and_do_not_depend_on_threads() {
 
 #[test]
 fn a_stress_run_goes_on_and_refuses_families() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("run");
     let path = out.to_str().expect("UTF-8");
     let (code, _, err) = rockproof(&["campaign", "--stress", "--pairs", "96", "--out", path]);

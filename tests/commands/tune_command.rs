@@ -32,7 +32,7 @@ box = { min = [1, 0, 0], max = [2, 1, 1] }
 
 #[test]
 fn a_search_goes_on_to_the_same_bytes_and_its_set_keeps_the_rules() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let scene = path(dir.path(), "scene.toml");
     fs::write(&scene, SCENE).expect("write");
     let (whole, parts) = (path(dir.path(), "whole"), path(dir.path(), "parts"));
@@ -61,7 +61,7 @@ fn a_search_goes_on_to_the_same_bytes_and_its_set_keeps_the_rules() {
 /// Candidate 2 differs on fewer pairs here than the best one, whose steps were compared with the oracle's.
 #[test]
 fn a_candidate_that_differs_on_fewer_pairs_is_named() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/rest_on_floor.toml");
     let out = path(dir.path(), "out");
     let more = ["--candidates", "4", "--seed", "5", "--engine", "stepper-f32"];
@@ -95,7 +95,7 @@ fn best(rows: &[HashMap<String, String>]) -> &HashMap<String, String> {
 /// block sank by 3 mm and more. Version 2 asks for both measures, so nothing sinks, and no set found lets it.
 #[test]
 fn crossed_ridges_stand_under_auto_and_under_the_set_found() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (scene, out) = (path(dir.path(), "ridges.toml"), path(dir.path(), "out"));
     let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/handmade/quasi_parallel_edges.toml");
     let text = fs::read_to_string(kept).expect("a scene");
@@ -146,7 +146,7 @@ velocity = [0, 1, -1]
 
 #[test]
 fn a_set_under_which_the_scene_stops_is_not_without_fault() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let tuned = |name: &str, scene: &str| {
         let (file, out) = (path(dir.path(), name), path(dir.path(), &format!("{name}-out")));
         fs::write(&file, scene).expect("write");
@@ -178,7 +178,7 @@ fn a_set_under_which_the_scene_stops_is_not_without_fault() {
 
 #[test]
 fn a_preset_that_has_no_row_has_a_line_that_says_why() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (scene, out) = (path(dir.path(), "scene.toml"), path(dir.path(), "out"));
     fs::write(&scene, SCENE.replace("preset = \"shi\"\nsearch = 0.01", "preset = \"auto\"")).expect("write");
     let (_, printed, err) = rockproof(&["tune", &scene, "--candidates", "5", "--steps", "1", "--out", &out]);
@@ -189,7 +189,7 @@ fn a_preset_that_has_no_row_has_a_line_that_says_why() {
 /// Two slivers so low that lengths taken from the height of the model are below all of f64: `shi` cannot be had, `auto` can.
 #[test]
 fn a_preset_that_cannot_be_had_has_a_line_that_says_why() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (scene, out) = (path(dir.path(), "flat.toml"), path(dir.path(), "out"));
     let sliver = |x: u32, body: &str| {
         let far = x + 1;
@@ -211,7 +211,7 @@ fn a_preset_that_cannot_be_had_has_a_line_that_says_why() {
 /// In f32, a hundred metres from the origin, a territory of 10 µm is not above what coordinates resolve.
 #[test]
 fn tolerances_below_roundoff_are_replaced() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (scene, out) = (path(dir.path(), "far.toml"), path(dir.path(), "out"));
     let far = SCENE
         .replace("preset = \"shi\"\nsearch = 0.01", "preset = \"auto\"\nterritory = 1e-5\nequal = 0")
@@ -232,7 +232,7 @@ fn tolerances_below_roundoff_are_replaced() {
 /// A block 15 mm in the floor and under an author's set that records overlaps of 5 mm, which meets every rule; `auto` has 20 mm.
 #[test]
 fn a_set_that_loses_a_pair_of_the_model_is_not_recommended_beside_one_that_loses_none() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (scene, out) = (path(dir.path(), "sunk.toml"), path(dir.path(), "out"));
     let sunk = SCENE
         .replace(
@@ -283,7 +283,7 @@ force = [1e9, 0, 0]
 /// The steps of a small scene are those that `simulate` makes: with its `dynamic` and without settling that it does not have.
 #[test]
 fn a_whole_scene_is_stepped_as_simulate_steps_it() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let moving = PRESSED.replace("dynamic = 0", "dynamic = \"1/2\"\nsettle = 3");
     for (name, text, told) in [
         ("pressed", PRESSED.to_owned(), "without settling, as the scene has none"),
@@ -312,7 +312,7 @@ fn a_whole_scene_is_stepped_as_simulate_steps_it() {
 /// Where the load presses the block deeper than `penetration`, whatever the set, no set is without fault.
 #[test]
 fn blocks_that_sink_deeper_than_penetration_are_told() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (scene, out) = (path(dir.path(), "pressed.toml"), path(dir.path(), "out"));
     fs::write(&scene, PRESSED).expect("write");
     let (code, printed, err) = rockproof(&["tune", &scene, "--candidates", "5", "--steps", "20", "--out", &out]);
@@ -366,7 +366,7 @@ faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [
 /// In f64 blocks sink by amounts under different sets that are the same in the digits shown.
 #[test]
 fn what_looks_the_same_is_not_told_as_a_difference() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (scene, out) = (path(dir.path(), "slider.toml"), path(dir.path(), "out"));
     fs::write(&scene, SLIDER).expect("write");
     let (_, printed, err) = rockproof(&["tune", &scene, "--candidates", "5", "--out", &out]);
@@ -392,7 +392,7 @@ fn ridges(settle: u32) -> String {
 /// Every rule is kept, engine and oracle are of one mind, and yet the ridges go through one another, less deep than `penetration`.
 #[test]
 fn a_set_under_which_blocks_overlap_unseen_is_not_without_fault() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let [scene, run, out] = ["ridges.toml", "run", "out"].map(|name| path(dir.path(), name));
     fs::write(&scene, ridges(3)).expect("write");
     let (code, printed, err) =
@@ -426,7 +426,7 @@ fn a_set_under_which_blocks_overlap_unseen_is_not_without_fault() {
 /// What is said of steps is about those that were made, after a part of the settling.
 #[test]
 fn steps_that_equal_the_oracles_are_said_to_come_after_a_part_of_the_settling() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let [scene, out] = ["ridges.toml", "out"].map(|name| path(dir.path(), name));
     for (settle, told) in [
         (
@@ -445,7 +445,7 @@ fn steps_that_equal_the_oracles_are_said_to_come_after_a_part_of_the_settling() 
 /// Under the rules of thumb with a small territory fewer moved pairs differ, and the stones of the arch go through one another.
 #[test]
 fn a_set_under_which_an_arch_collapses_is_not_recommended() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     for name in ["arch_stands", "arch_falls"] {
         let scene = format!("{}/cases/handmade/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         let out = path(dir.path(), name);
@@ -466,7 +466,7 @@ fn a_set_under_which_an_arch_collapses_is_not_recommended() {
 /// Blocks may move by no more than 10⁻¹³ m in a step, so none can be made. There is nothing in them that could overlap, and fewer moved pairs differ.
 #[test]
 fn a_set_whose_steps_stop_is_not_recommended_and_never_called_safe() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let scene = format!("{}/cases/handmade/arch_stands.toml", env!("CARGO_MANIFEST_DIR"));
     let tuned = |name: &str, more: &[&str]| {
         let out = path(dir.path(), name);
@@ -525,7 +525,7 @@ fn a_set_whose_steps_stop_is_not_recommended_and_never_called_safe() {
 
 #[test]
 fn bad_input_exits_with_2() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let (scene, lone) = (path(dir.path(), "scene.toml"), path(dir.path(), "lone.toml"));
     fs::write(&scene, SCENE).expect("write");
     fs::write(&lone, "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n").expect("write");
@@ -553,7 +553,7 @@ fn bad_input_exits_with_2() {
 #[ignore = "six seconds; .ci/run runs it"]
 fn the_reference_in_reports_is_not_stale() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = path(dir.path(), "out");
     let model = path(root, "cases/real/openpit_rock.dda");
     let (code, _, err) = rockproof(&["tune", &model, "--candidates", "2", "--out", &out]);
@@ -587,7 +587,7 @@ fn the_reference_in_reports_is_not_stale() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_search_that_is_interrupted_before_it_begins_says_so() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let mut search = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
         .args(["tune", "-", "--candidates", "1", "--out", "found"])
         .current_dir(dir.path())
@@ -615,7 +615,7 @@ fn a_search_that_is_interrupted_before_it_begins_says_so() {
 #[test]
 #[cfg(unix)]
 fn an_interrupted_search_says_how_it_goes_on() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     fs::write(dir.path().join("scene.toml"), SCENE).expect("write");
     let search = std::process::Command::new(env!("CARGO_BIN_EXE_rockproof"))
         .args(["tune", "scene.toml", "--candidates", "100000", "--out", "found"])

@@ -30,7 +30,7 @@ pub(crate) fn change(text: &str, from: &str, to: &str) -> String {
 
 #[test]
 fn cases_are_checked_as_scenes_are() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let long = "x".repeat(100_000);
     for (from, to, parts) in [
@@ -63,7 +63,7 @@ fn cases_are_checked_as_scenes_are() {
 
 #[test]
 fn state_files_are_checked_and_open_no_other_file() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     // A lockstep run that leaves a state file, and the scene's measured point with a name that is a formula.
     let scene = change(&change(SLIDER, "steps = 4", "steps = 2"), "\"centre\"", "\"=1+1\"");
@@ -110,7 +110,7 @@ fn state_files_are_checked_and_open_no_other_file() {
 
 #[test]
 fn messages_name_their_file_and_say_things_once() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let write = |name: &str, text: &str| fs::write(dir.join(name), text).expect("write");
     write("two.obj", CUBES);
@@ -174,7 +174,7 @@ fn the_environment_asks_for_no_more_threads_than_an_option() {
 /// Tables of campaigns hold the names of sets as they are, so no set has one that a spreadsheet calculates.
 #[test]
 fn no_set_is_called_like_a_formula() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     for stem in ["=1+1", "+x", "-2", "@SUM(A1)"] {
         let name = format!("{stem}.toml");
@@ -198,7 +198,7 @@ fn no_set_is_called_like_a_formula() {
 /// Whatever is long in a file of settings, a gate, a baseline or a case, its message is short and says what is wrong and what is allowed.
 #[test]
 fn messages_cut_long_values() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let long = "x".repeat(100_000);
     let write = |name: &str, text: &str| fs::write(dir.join(name), text).expect("write");
@@ -258,7 +258,7 @@ fn messages_cut_long_values() {
 #[cfg(unix)]
 #[test]
 fn no_device_is_read_to_its_end() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     for name in ["zeros.toml", "zeros.json"] {
         std::os::unix::fs::symlink("/dev/zero", dir.join(name)).expect("a link");
@@ -290,7 +290,7 @@ fn no_device_is_read_to_its_end() {
 
 #[test]
 fn a_report_reads_nothing_outside_of_the_run() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let (code, _, err) = rockproof_in(
         dir,
@@ -322,7 +322,7 @@ fn a_report_reads_nothing_outside_of_the_run() {
 #[cfg(unix)]
 #[test]
 fn the_name_of_a_case_is_no_command_to_the_runner() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     fs::create_dir(dir.join("corpus")).expect("a folder");
     let expected = "expected = [{ kind = \"v-v\", feature_a = 0, feature_b = 0, entrance = \"v-f\", entrance_a = 0, entrance_b = 0, gap_sign = 1 }]";

@@ -38,7 +38,7 @@ fn document(dir: &Path, arguments: &[&str]) -> Value {
 
 #[test]
 fn documents_hold_names_as_they_are() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let (model, case, out) = (format!("{NASTY}.obj"), format!("{NASTY}.toml"), format!("out {NASTY}"));
     fs::write(dir.join(&model), include_str!("../fixtures/two_cubes.obj")).expect("write");
@@ -84,7 +84,7 @@ fn documents_hold_names_as_they_are() {
 /// Tables of campaigns hold the names of sets as they are, so no set has one that does something else than to show.
 #[test]
 fn no_set_is_called_like_a_command() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     for stem in ["esc\u{1b}[31mx", "a\nb", "a\rb", "a\u{7f}", "a\u{202e}b"] {
         let name = format!("{stem}.toml");
@@ -120,7 +120,7 @@ fn files(dir: &Path) -> Vec<std::path::PathBuf> {
 #[cfg(unix)]
 #[test]
 fn reports_show_the_names_of_runs() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let (run, other) = (format!("run {NASTY}"), format!("other {NASTY}"));
     for (out, seed) in [(&run, "1"), (&other, "2")] {

@@ -10,7 +10,7 @@ use std::path::Path;
 #[cfg(unix)]
 #[test]
 fn a_pipe_in_a_directory_of_results_is_refused() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let (code, out, err) = rockproof_in(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", "run"]);
     assert_eq!(code, 0, "{out}{err}");
@@ -39,7 +39,7 @@ fn a_pipe_in_a_directory_of_results_is_refused() {
 
 #[test]
 fn errors_in_tables_name_their_line_however_lines_end() {
-    let dir = tempfile::tempdir().expect("a folder");
+    let dir = crate::place::folder();
     let dir = dir.path();
     let (code, out, err) = rockproof_in(dir, &["campaign", "--pairs", "64", "--family", "sliver", "--out", "run"]);
     assert_eq!(code, 0, "{out}{err}");

@@ -2,6 +2,9 @@
 
 #[path = "../../examples/pictures/drawings/mod.rs"]
 mod drawings;
+#[cfg(unix)]
+#[path = "../support/place.rs"]
+mod place;
 
 mod architecture;
 mod book;

@@ -140,7 +140,7 @@ fn alike(shown: &[String], found: &[String]) -> bool {
 
 /// A folder to run in, with the files that commands name and the program.
 fn workplace() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = crate::place::folder();
     for name in ["cases", "examples/engines", "examples/scale"] {
         copy(&root().join(name), &folder.path().join(name));
     }
