@@ -1,5 +1,6 @@
 //! Energy of what falls and comes to rest, in the runs of the table that take little time, and of a wall at rest.
 
+use rayon::prelude::*;
 use rockproof_model::Motion;
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::{ContactRules, SpecRules};
@@ -23,7 +24,7 @@ fn quick() -> Vec<EnergyRun> {
 
 #[test]
 fn what_falls_gains_next_to_nothing() {
-    let results: Vec<EnergyResult> = quick().into_iter().map(|run| run.measure::<SpecRules>().unwrap()).collect();
+    let results: Vec<EnergyResult> = quick().into_par_iter().map(|run| run.measure::<SpecRules>().unwrap()).collect();
     for result in &results {
         let run = &result.run;
         assert!(result.worst.gain <= STEP_GOAL, "{run:?}: {:?}", result.worst);
