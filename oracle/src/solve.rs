@@ -17,6 +17,7 @@ pub(crate) use block_sparse::BlockSparseSystem;
 pub(crate) use eliminate::eliminate;
 pub(crate) use factor::Factor;
 pub(crate) use fraction_free::solve as fraction_free_solve;
+pub(crate) use fraction_free::solve_by_parts as fraction_free_solve_by_parts;
 #[cfg(test)]
 pub(crate) use refine::Correctable;
 pub(crate) use refine::{Residual, Solvable, Support, refine};

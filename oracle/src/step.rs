@@ -2,8 +2,8 @@
 //!
 //! A step is calculated in f64 balls first. A mode that these do not settle is asked of balls of two f64, of 128 and 256
 //! bits, then of fractions, then of 512 and 1,024 bits (`cascade`); what even these leave open is counted as undecided and
-//! changes nothing. Fractions fail only where a friction force or a length in the question is irrational, or where an island has more than
-//! `cascade::EXACT_UNKNOWNS` unknowns.
+//! changes nothing. Fractions fail only where a friction force or a length in the question is irrational, or where an island that bears forces has more
+//! than `cascade::EXACT_UNKNOWNS` unknowns; of other islands they know all the same.
 
 mod answer;
 mod approximate;

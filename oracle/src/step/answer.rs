@@ -149,7 +149,7 @@ impl fmt::Display for StepFailure {
             StepFailure::Inverted { block } => write!(f, "block {block} is inverted: its volume is not positive"),
             StepFailure::NotKept { keep: KeptPrecision::Exact } => write!(
                 f,
-                "the new positions cannot be had as fractions: the friction of a sliding contact is the square root of no square, or closed contacts tie blocks of more than {EXACT_UNKNOWNS} unknowns together; without --fractions positions are kept on a grid"
+                "the new positions cannot be had as fractions: the friction of a sliding contact is the square root of no square, or closed contacts that bear forces tie blocks of more than {EXACT_UNKNOWNS} unknowns together; without --fractions positions are kept on a grid"
             ),
             StepFailure::NotKept { keep: KeptPrecision::Grid { exponent } } => write!(
                 f,

@@ -4,20 +4,25 @@ use super::attempt_values::{AttemptValues, empty_cells};
 use super::cascade::EXACT_UNKNOWNS;
 use super::contact::ContactGeometry;
 use super::friction::SlipForce;
-use super::islands::islands_up_to;
+use super::islands::{Island, Islands};
 use super::state::Mode;
 use super::system::{StepNumber, StepSupport, System};
 use crate::field::{LANES, Packed, single_vector};
+use num_rational::BigRational;
 use rockproof_model::{Ring, Vec3};
 use std::cell::OnceCell;
 
 /// What a solve left.
 pub(crate) struct AttemptSolve<S> {
+    /// Its place among the solves of the attempt.
+    number: usize,
     modes: Vec<Mode>,
-    /// What friction did to each contact that slid in it.
-    pub(crate) friction: Vec<Option<SlipForce<S>>>,
+    /// What friction did to each contact that slid in it; `None` where this type cannot tell.
+    slips: Vec<OnceCell<Option<SlipForce<S>>>>,
     /// Blocks that are solved together; none where all were.
-    islands: Vec<Vec<usize>>,
+    islands: Islands,
+    /// Of each island whether its contacts are known to bear no force, where that was asked.
+    are_free: Vec<OnceCell<bool>>,
     /// d of each block, empty for a fixed one; `None` where an island has no solution.
     displacements: Vec<OnceCell<Option<Vec<S>>>>,
     motions: Vec<OnceCell<Option<ContactMotion<S>>>>,
@@ -49,7 +54,7 @@ impl<S> AttemptSolve<S> {
     }
 }
 
-impl<S: StepNumber> AttemptValues<'_, S> {
+impl<'a, S: StepNumber> AttemptValues<'a, S> {
     /// Solves once more, with these modes; `None` where this type cannot. `start` is what a cheaper type has found, without radius.
     pub(crate) fn advance(
         &mut self,
@@ -57,17 +62,19 @@ impl<S: StepNumber> AttemptValues<'_, S> {
         support: Option<&StepSupport<'_>>,
         start: Option<Vec<S>>,
     ) -> Option<()> {
-        let friction = self.friction(modes)?;
+        let islands = if S::BY_ISLAND { self.islands(modes) } else { Islands::default() };
         let solve = AttemptSolve {
+            number: self.solves.len(),
             modes: modes.to_vec(),
-            friction,
-            islands: if S::BY_ISLAND { self.islands(modes)? } else { Vec::new() },
+            slips: empty_cells(modes.len()),
+            are_free: empty_cells(islands.all.len()),
+            islands,
             displacements: empty_cells(self.attempt.blocks.len()),
             motions: empty_cells(modes.len()),
             stretches: empty_cells(modes.len()),
         };
         if !S::BY_ISLAND {
-            let system = System::of(self, modes, &solve.friction, None)?;
+            let system = System::of(self, modes, |k| self.slip_force(&solve, k), None)?;
             let moving: Vec<usize> = self.attempt.moving().map(|(block, _)| block).collect();
             self.keep(&solve, &moving, Some(S::solve(&system, support, start)?));
         }
@@ -75,30 +82,57 @@ impl<S: StepNumber> AttemptValues<'_, S> {
         Some(())
     }
 
-    /// The moving blocks that closed contacts tie together; `None` where they have more than [`EXACT_UNKNOWNS`] unknowns.
-    fn islands(&self, modes: &[Mode]) -> Option<Vec<Vec<usize>>> {
+    /// The moving blocks that closed contacts tie together.
+    fn islands(&self, modes: &[Mode]) -> Islands {
         let attempt = self.attempt;
-        let closed = attempt.started.iter().zip(modes).filter(|(_, mode)| **mode != Mode::Open);
-        let tied = closed.map(|(started, _)| started.blocks);
-        let sizes: Vec<usize> = attempt.rows.iter().map(|row| row.map_or(0, |row| attempt.sizes[row])).collect();
-        islands_up_to(EXACT_UNKNOWNS, &sizes, tied)
+        let moves: Vec<bool> = attempt.rows.iter().map(Option::is_some).collect();
+        let started = attempt.started.iter().zip(modes).enumerate().filter(|(_, (_, mode))| **mode != Mode::Open);
+        let closed: Vec<(usize, [usize; 2])> = started.map(|(k, (started, _))| (k, started.blocks)).collect();
+        Islands::new(&moves, &closed)
     }
 
-    /// Of each block whether, after the last solve, it is in an island in which no closed contact certainly has a gap: only then may none bear
-    /// a force. `None` where an island is too large for fractions.
+    /// Of each block whether, after the last solve, it is in an island in which no closed contact certainly has a gap or slides on as another solve
+    /// left it: only then may none bear a force that fractions can tell.
     pub(crate) fn blocks_without_force(&self) -> Option<Vec<bool>> {
         let solve = self.solves.last()?;
-        let islands = self.islands(&solve.modes)?;
-        let mut place = vec![None; self.attempt.blocks.len()];
-        for (number, island) in islands.iter().enumerate() {
-            island.iter().for_each(|&block| place[block] = Some(number));
+        let mut free = vec![false; self.attempt.blocks.len()];
+        for island in &self.islands(&solve.modes).all {
+            let mut may_be = true;
+            for &k in &island.contacts {
+                let presses = self.gap(solve, k)?.certain_sign().is_some_and(|sign| !sign.is_zero());
+                // Friction on a slip that a solve left has a root, which is hardly ever a fraction.
+                may_be &= !presses && (solve.number == 0 || solve.modes[k] != Mode::Sliding);
+            }
+            island.blocks.iter().for_each(|&block| free[block] = may_be);
         }
-        let mut free = vec![true; islands.len()];
-        for (k, started) in self.attempt.started.iter().enumerate().filter(|(k, _)| solve.modes[*k] != Mode::Open) {
-            let presses = self.gap(solve, k)?.certain_sign().is_some_and(|sign| !sign.is_zero());
-            started.blocks.iter().filter_map(|&block| place[block]).for_each(|number| free[number] &= !presses);
+        Some(free)
+    }
+
+    /// Whether every island of the last solve that is solved only if its contacts bear no force has its solution. Others are known to have one
+    /// only when they are solved.
+    pub(crate) fn large_islands_are_solved(&self) -> bool {
+        let Some(solve) = self.solves.last() else { return true };
+        let unknowns = |block: &usize| self.attempt.rows[*block].map_or(0, |row| self.attempt.sizes[row]);
+        let large = solve
+            .islands
+            .all
+            .iter()
+            .filter(|island| island.blocks.iter().map(unknowns).sum::<usize>() > EXACT_UNKNOWNS);
+        large.into_iter().all(|island| self.displacement(solve, island.blocks[0]).is_some())
+    }
+
+    /// What friction did to a contact in a solve, if it slid in it; `None` where this type cannot tell.
+    pub(crate) fn slip_force<'i>(&self, solve: &'i AttemptSolve<S>, k: usize) -> Option<Option<&'i SlipForce<S>>> {
+        if solve.modes[k] != Mode::Sliding {
+            return Some(None);
         }
-        Some(place.into_iter().map(|number| number.is_some_and(|number| free[number])).collect())
+        let before = solve.number.checked_sub(1).map(|number| &self.solves[number]);
+        solve.slips[k].get_or_init(|| self.slip(k, before)).as_ref().map(Some)
+    }
+
+    /// The system of an island in a solve.
+    fn system<'s>(&'s self, solve: &'s AttemptSolve<S>, island: &Island) -> Option<System<'s, 'a, S>> {
+        System::of(self, &solve.modes, |k| self.slip_force(solve, k), Some(island))
     }
 
     /// Keeps the solution of some blocks, one after another.
@@ -116,9 +150,10 @@ impl<S: StepNumber> AttemptValues<'_, S> {
         if solve.displacements[block].get().is_none() {
             if self.attempt.rows[block].is_none() {
                 self.keep(solve, &[block], Some(Vec::new()));
-            } else if let Some(island) = solve.islands.iter().find(|island| island.contains(&block)) {
-                let system = System::of(self, &solve.modes, &solve.friction, Some(island));
-                self.keep(solve, island, system.and_then(|system| S::solve(&system, None, None)));
+            } else if let Some(place) = solve.islands.of(block) {
+                let island = &solve.islands.all[place];
+                let solution = self.system(solve, island).and_then(|system| S::solve(&system, None, None));
+                self.keep(solve, &island.blocks, solution);
             }
         }
         solve.displacements[block].get()?.as_ref()
@@ -179,5 +214,23 @@ impl<S: StepNumber> AttemptValues<'_, S> {
             Some(contact.stretch.plus(&contact.across(&motion.moved, &motion.along)))
         };
         solve.stretches[k].get_or_init(make).as_ref()
+    }
+}
+
+impl AttemptValues<'_, BigRational> {
+    /// Whether no contact bears a force, in the last solve, of the islands in which the blocks of a contact are. No matrix is made to tell.
+    pub(crate) fn moves_freely(&self, k: usize) -> bool {
+        let Some(solve) = self.solves.last() else { return false };
+        let is_free = |place: usize| {
+            let island = &solve.islands.all[place];
+            let motion = self.system(solve, island).and_then(|system| system.free_motion());
+            let is_free = motion.is_some();
+            if is_free {
+                self.keep(solve, &island.blocks, motion);
+            }
+            is_free
+        };
+        let mut places = self.attempt.started[k].blocks.iter().filter_map(|&block| solve.islands.of(block));
+        places.all(|place| *solve.are_free[place].get_or_init(|| is_free(place)))
     }
 }

@@ -51,6 +51,8 @@ pub(crate) struct AttemptValues<'a, S> {
     moments: Vec<OnceCell<Option<Moments<S>>>>,
     contacts: Vec<OnceCell<Option<ContactGeometry<S>>>>,
     base: Vec<OnceCell<Option<Base<S>>>>,
+    /// How each block moves where no contact presses it.
+    pub(super) alone: Vec<OnceCell<Option<Vec<S>>>>,
     pub(crate) joints: Vec<JointIn<S>>,
     pub(crate) limits: SquaredLimits<S>,
     pub(crate) solves: Vec<AttemptSolve<S>>,
@@ -77,6 +79,7 @@ impl<'a, S: Field> AttemptValues<'a, S> {
             moments: empty_cells(attempt.blocks.len()),
             contacts: empty_cells(attempt.started.len()),
             base: empty_cells(attempt.blocks.len()),
+            alone: empty_cells(attempt.blocks.len()),
             joints,
             limits,
             solves: Vec::new(),

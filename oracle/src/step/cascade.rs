@@ -14,7 +14,7 @@ use std::rc::Rc;
 
 /// Bits of the wide levels; fractions stand between the second and the third.
 const WIDE_BITS: [u32; 4] = [128, 256, 512, 1024];
-/// The largest island that is solved in fractions.
+/// The most unknowns of an island that is solved in fractions though its contacts bear forces.
 pub(crate) const EXACT_UNKNOWNS: usize = 48;
 
 /// Steps of more unknowns than this are asked no further than [`WIDE_BITS`]' second level: where 256 bits leave a sign open, it is a
@@ -221,47 +221,44 @@ impl<'a> Cascade<'a> {
             self.levels.double += 1;
             return Some(answer);
         }
-        // A tie of blocks that fall together, in all likelihood: fractions prove it, and balls would not.
-        if question.contact().is_some_and(|k| self.may_move_freely(k))
-            && let Some(answer) = self.exact().and_then(|values| question.ask(values))
-        {
-            self.levels.exact += 1;
-            return Some(answer);
-        }
-        let asked = if self.attempt.sizes.iter().sum::<usize>() > LARGE { 2 } else { WIDE_BITS.len() };
-        for k in 0..asked {
-            if k == 2
-                && let Some(answer) = self.exact().and_then(|values| question.ask(values))
-            {
+        let wide_levels = if self.attempt.sizes.iter().sum::<usize>() > LARGE { 2 } else { WIDE_BITS.len() };
+        for k in 0..=wide_levels {
+            let exact = match question.contact() {
+                // Before their turn where it is a tie of blocks that fall together, in all likelihood: fractions prove it, and balls would not.
+                Some(contact) if k < 2 => self.exact_of_free(contact),
+                Some(_) if k == 2 => self.exact(),
+                None if k == 2 => self.exact_of_all(),
+                _ => None,
+            };
+            if let Some(answer) = exact.and_then(|values| question.ask(values)) {
                 self.levels.exact += 1;
                 return Some(answer);
             }
-            if let Some(answer) = self.wide(k).and_then(|values| question.ask(values)) {
+            if k < wide_levels
+                && let Some(answer) = self.wide(k).and_then(|values| question.ask(values))
+            {
                 self.levels.wide[k] += 1;
                 return Some(answer);
             }
-        }
-        if asked <= 2
-            && let Some(answer) = self.exact().and_then(|values| question.ask(values))
-        {
-            self.levels.exact += 1;
-            return Some(answer);
         }
         self.levels.undecided += 1;
         None
     }
 
-    /// Whether balls of two f64 see no force, after the last solve, in any contact of the islands in which the blocks of a contact are.
+    /// Whether balls see no force, after the last solve, in any contact of the islands in which the blocks of a contact are: those of two f64, or of
+    /// 128 bits where these know the solve and those do not.
     fn may_move_freely(&mut self, k: usize) -> bool {
-        let (attempt, modes) = (self.attempt, &self.history.modes);
-        // Friction on a slip that a solve left has a root, which is hardly ever a fraction.
-        if self.history.bound.is_none() || modes[1..].iter().any(|modes| modes.contains(&Mode::Sliding)) {
+        let (attempt, solves) = (self.attempt, self.history.modes.len());
+        if self.history.bound.is_none() {
             return false;
         }
-        if self.forceless.solves != modes.len() {
-            let Some(values) = self.double.ready() else { return false };
-            let may_be = values.blocks_without_force().unwrap_or_default();
-            self.forceless = ForcelessBlocks { solves: modes.len(), may_be };
+        if self.forceless.solves != solves {
+            let of_double = self.double.ready().map(AttemptValues::blocks_without_force);
+            let of_wide = || self.wide[0].ready().filter(|values| values.solves.len() == solves);
+            let Some(may_be) = of_double.or_else(|| of_wide().map(AttemptValues::blocks_without_force)) else {
+                return false;
+            };
+            self.forceless = ForcelessBlocks { solves, may_be: may_be.unwrap_or_default() };
         }
         attempt.started[k]
             .blocks
@@ -305,7 +302,20 @@ impl<'a> Cascade<'a> {
         level
     }
 
-    /// The values in fractions, where the forces are rational and no island is too large.
+    /// The values in fractions where no contact bears a force of the islands in which the blocks of a contact are.
+    fn exact_of_free(&mut self, contact: usize) -> Option<&AttemptValues<'a, BigRational>> {
+        if !self.may_move_freely(contact) {
+            return None;
+        }
+        self.exact().filter(|values| values.moves_freely(contact))
+    }
+
+    /// The values in fractions where they are asked for all blocks: not where that is known to be in vain.
+    pub(crate) fn exact_of_all(&mut self) -> Option<&AttemptValues<'a, BigRational>> {
+        self.exact().filter(|values| values.large_islands_are_solved())
+    }
+
+    /// The values in fractions. An island has none where a force is irrational, or where it is too large and bears forces.
     pub(crate) fn exact(&mut self) -> Option<&AttemptValues<'a, BigRational>> {
         // Where balls have calculated all geometry there is all of it: then fractions calculate what they are asked for.
         let geometry = if self.history.bound.is_some() { Geometry::Asked } else { Geometry::Whole };

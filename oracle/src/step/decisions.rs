@@ -1,6 +1,6 @@
 //! The decisions of a step, each asked of one number type (SPEC 5.9, 5.11 and 5.12): `None` where that cannot tell.
 
-use super::attempt_values::AttemptValues;
+use super::attempt_values::{AttemptValues, JointIn};
 use super::frame;
 use super::friction::SlipForce;
 use super::state::Mode;
@@ -62,7 +62,7 @@ impl StepDecision for NextMode {
         let shear = joint.shear.squared().times(&s.norm_squared()).times(&contact.square);
         let excess = shear.minus(&values.strength(k, gap)?.squared());
         let held = excess.certain_sign().map(Sign::is_at_most_zero);
-        let turned = solve.friction[k].as_ref().map_or(Some(false), |slip| has_turned(slip, s));
+        let turned = values.slip_force(solve, k).and_then(|slip| slip.map_or(Some(false), |slip| has_turned(slip, s)));
         match (held, turned) {
             (Some(true), _) | (_, Some(true)) => Some(Mode::Locked),
             (Some(false), Some(false)) => Some(Mode::Sliding),
@@ -96,8 +96,12 @@ impl StepDecision for FrictionSettled<'_> {
     type Answer = bool;
     fn ask<S: StepNumber>(&self, values: &AttemptValues<'_, S>) -> Option<bool> {
         let solve = values.solves.last()?;
-        let excess = values.force_changes(solve, self.modes)?;
-        let excess = excess.iter().map(|[change, pressure]| change.times(&S::from_i32(SETTLED)).minus(pressure));
+        let sums = values.force_changes(solve, self.modes)?;
+        let pushes = |joint: &JointIn<S>| joint.normal.certain_sign().is_some_and(|sign| !sign.is_negative());
+        // No sum of pressures is less than no change, however near to zero it is.
+        let push = values.joints.iter().all(pushes);
+        let changing = sums.iter().filter(|[change, _]| !(push && change.is_zero()));
+        let excess = changing.map(|[change, pressure]| change.times(&S::from_i32(SETTLED)).minus(pressure));
         let signs: Vec<Option<Sign>> = excess.map(|excess| excess.certain_sign()).collect();
         if signs.iter().flatten().any(|sign| sign.is_positive()) {
             return Some(false);

@@ -52,13 +52,16 @@ impl<S: StepNumber> AttemptValues<'_, S> {
     /// What friction does in the next solve to each contact that slides in these modes. `None` where this type has no such root, or
     /// cannot tell a slip from none.
     pub(crate) fn friction(&self, modes: &[Mode]) -> Option<Vec<Option<SlipForce<S>>>> {
-        let of = |(k, mode): (usize, &Mode)| if *mode == Mode::Sliding { self.slip(k).map(Some) } else { Some(None) };
+        let of = |(k, mode): (usize, &Mode)| {
+            if *mode == Mode::Sliding { self.slip(k, self.solves.last()).map(Some) } else { Some(None) }
+        };
         modes.iter().enumerate().map(of).collect()
     }
 
-    fn slip(&self, k: usize) -> Option<SlipForce<S>> {
+    /// What friction does to a contact in the solve after `before`, or in the first.
+    pub(crate) fn slip(&self, k: usize, before: Option<&AttemptSolve<S>>) -> Option<SlipForce<S>> {
         let (contact, joint) = (self.contact(k)?, &self.joints[k]);
-        let (last, secant) = match self.solves.last() {
+        let (last, secant) = match before {
             None => (&contact.stretch, joint.shear.clone()),
             Some(solve) => (self.stretch(solve, k)?, self.secant(k, solve)?),
         };
@@ -102,7 +105,7 @@ impl<S: StepNumber> AttemptValues<'_, S> {
     /// `|Δf|`: the tangential force of the mode after a solve less the one that acted in it, of a contact closed in both.
     pub(crate) fn force_change(&self, k: usize, solve: &AttemptSolve<S>, modes: [Mode; 2]) -> Option<S> {
         let (s, shear) = (self.stretch(solve, k)?, &self.joints[k].shear);
-        let acted = match &solve.friction[k] {
+        let acted = match self.slip_force(solve, k)? {
             Some(slip) => slip.at(s),
             None => s.scaled(shear),
         };

@@ -1,50 +1,81 @@
 //! Which blocks are solved together.
 
-/// The blocks with unknowns that pairs tie together, each list ascending: systems that can be solved apart. `None` where one of them has more
-/// than `most` unknowns. `sizes` are the unknowns of each block; what has none ties nothing.
-pub(super) fn islands_up_to(
-    most: usize,
-    sizes: &[usize],
-    pairs: impl Iterator<Item = [usize; 2]>,
-) -> Option<Vec<Vec<usize>>> {
-    let mut lowest: Vec<usize> = (0..sizes.len()).collect();
-    for [i, j] in pairs.filter(|blocks| blocks.iter().all(|&block| sizes[block] > 0)) {
-        let (from, to) = (lowest[i].max(lowest[j]), lowest[i].min(lowest[j]));
-        if from != to {
-            lowest.iter_mut().filter(|place| **place == from).for_each(|place| *place = to);
+/// Blocks that closed contacts tie together: their system can be solved apart.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct Island {
+    /// Ascending.
+    pub(crate) blocks: Vec<usize>,
+    /// The closed contacts with a block of it, ascending.
+    pub(crate) contacts: Vec<usize>,
+}
+
+/// All islands of one solve.
+#[derive(Debug, Default)]
+pub(crate) struct Islands {
+    pub(crate) all: Vec<Island>,
+    /// The place of each block in `all`; `None` for a block without unknowns.
+    of: Vec<Option<usize>>,
+}
+
+impl Islands {
+    /// The islands of blocks with unknowns, `moves` says which have any. What has none ties nothing. `closed` are closed contacts and their blocks,
+    /// ascending.
+    pub(super) fn new(moves: &[bool], closed: &[(usize, [usize; 2])]) -> Islands {
+        let mut lowest: Vec<usize> = (0..moves.len()).collect();
+        for &(_, [i, j]) in closed.iter().filter(|(_, blocks)| blocks.iter().all(|&block| moves[block])) {
+            let (from, to) = (lowest[i].max(lowest[j]), lowest[i].min(lowest[j]));
+            if from != to {
+                lowest.iter_mut().filter(|place| **place == from).for_each(|place| *place = to);
+            }
         }
+        let mut islands = Islands { all: Vec::new(), of: vec![None; moves.len()] };
+        for block in (0..moves.len()).filter(|&block| moves[block]) {
+            let first = lowest[block];
+            if first == block {
+                islands.of[block] = Some(islands.all.len());
+                islands.all.push(Island::default());
+            }
+            islands.of[block] = islands.of[first];
+            if let Some(place) = islands.of[block] {
+                islands.all[place].blocks.push(block);
+            }
+        }
+        for (k, blocks) in closed {
+            // Of both blocks it is one island, or one of them has none.
+            if let Some(place) = blocks.iter().find_map(|&block| islands.of[block]) {
+                islands.all[place].contacts.push(*k);
+            }
+        }
+        islands
     }
-    let mut islands = vec![Vec::new(); sizes.len()];
-    for (block, &lowest) in lowest.iter().enumerate().filter(|(block, _)| sizes[*block] > 0) {
-        islands[lowest].push(block);
+
+    /// The place of a block's island in `all`.
+    pub(super) fn of(&self, block: usize) -> Option<usize> {
+        self.of[block]
     }
-    islands.retain(|island| !island.is_empty());
-    let unknowns = |island: &Vec<usize>| island.iter().map(|&block| sizes[block]).sum::<usize>();
-    islands.iter().all(|island| unknowns(island) <= most).then_some(islands)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::islands_up_to;
+    use super::{Island, Islands};
+
+    fn island(blocks: &[usize], contacts: &[usize]) -> Island {
+        Island { blocks: blocks.to_vec(), contacts: contacts.to_vec() }
+    }
 
     #[test]
     fn blocks_that_meet_through_others_are_one_island() {
         // 0 meets 3, 1 meets 2, then 2 meets 3: all one. 4 stays alone.
-        let pairs = [[3, 0], [1, 2], [2, 3]];
-        assert_eq!(islands_up_to(48, &[1; 5], pairs.into_iter()), Some(vec![vec![0, 1, 2, 3], vec![4]]));
-        assert_eq!(islands_up_to(48, &[6; 2], std::iter::empty()), Some(vec![vec![0], vec![1]]));
+        let closed = [(0, [3, 0]), (2, [1, 2]), (5, [2, 3])];
+        let islands = Islands::new(&[true; 5], &closed);
+        assert_eq!(islands.all, [island(&[0, 1, 2, 3], &[0, 2, 5]), island(&[4], &[])]);
+        assert_eq!([2, 4].map(|block| islands.of(block)), [Some(0), Some(1)]);
     }
 
     #[test]
     fn what_has_no_unknowns_ties_nothing() {
-        assert_eq!(islands_up_to(48, &[6, 0, 12], [[0, 1], [1, 2]].into_iter()), Some(vec![vec![0], vec![2]]));
-    }
-
-    #[test]
-    fn an_island_may_have_just_the_most_unknowns() {
-        // 1 + 1 unknowns tied, and 2 alone.
-        let islands = |most| islands_up_to(most, &[1, 2, 1], [[2, 0]].into_iter());
-        assert_eq!(islands(2), Some(vec![vec![0, 2], vec![1]]));
-        assert_eq!(islands(1), None);
+        let islands = Islands::new(&[true, false, true], &[(1, [0, 1]), (3, [1, 2]), (4, [2, 1])]);
+        assert_eq!(islands.all, [island(&[0], &[1]), island(&[2], &[3, 4])]);
+        assert_eq!(islands.of(1), None);
     }
 }

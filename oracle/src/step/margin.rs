@@ -152,7 +152,7 @@ fn slip<S: StepNumber>(values: &AttemptValues<'_, S>, solve: usize, k: usize) ->
 
 fn turn<S: StepNumber>(values: &AttemptValues<'_, S>, solve: usize, k: usize) -> Option<f64> {
     let solve = values.solves.get(solve)?;
-    let (s, last) = (values.stretch(solve, k)?, &solve.friction[k].as_ref()?.last);
+    let (s, last) = (values.stretch(solve, k)?, &values.slip_force(solve, k)??.last);
     let terms = s.components().into_iter().zip(last.components()).map(|(a, b)| near(&a.times(b)).abs());
     share(near(&s.dot(last)), terms.sum())
 }

@@ -159,7 +159,7 @@ fn kept(
     keep: KeptPrecision,
 ) -> Option<(State, Vec<GapChange>)> {
     let KeptPrecision::Grid { exponent } = keep else {
-        return cascade.exact().and_then(|values| kept_by(attempt, values, after, keep));
+        return cascade.exact_of_all().and_then(|values| kept_by(attempt, values, after, keep));
     };
     if exponent <= DOUBLE_GRID
         && let Some(kept) = cascade.double().and_then(|values| kept_by(attempt, values, after, keep))

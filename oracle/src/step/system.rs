@@ -1,56 +1,89 @@
 //! The system of one solve: its residual without a matrix, its matrix where elimination wants one, and its f64 stiffness.
 
+mod float_stiffness;
 mod free_motion;
 mod residual;
 
-use super::approximate::{Approximate, Layout, Square, Stiffness};
+use super::approximate::Approximate;
 use super::attempt_solve::AttemptSolve;
 use super::attempt_values::{AttemptValues, Base, JointIn};
+use super::cascade::EXACT_UNKNOWNS;
 use super::contact::ContactGeometry;
 use super::frame;
 use super::friction::SlipForce;
+use super::islands::Island;
 use super::state::Mode;
 use crate::field::{DoubleBall, Field, PackedBalls, PackedDoubleBalls, WideBall};
 use crate::number::Ball;
 use crate::solve::{BlockSparseSystem, Factor, Support, eliminate, fraction_free_solve, refine};
+pub(crate) use float_stiffness::stiffness;
 use num_rational::BigRational;
 
-/// Blocks and their closed contacts in these modes, with what friction does to those that slide.
+/// A contact that bears on a system.
+struct ClosedContact<'c, S> {
+    /// Its place among the contacts of the attempt.
+    place: usize,
+    mode: Mode,
+    geometry: &'c ContactGeometry<S>,
+    /// What friction does to it, if it slides.
+    slip: Option<&'c SlipForce<S>>,
+}
+
+/// Blocks and their closed contacts, with what friction does to those that slide.
 pub(crate) struct System<'c, 'a, S> {
     values: &'c AttemptValues<'a, S>,
-    modes: &'c [Mode],
-    friction: &'c [Option<SlipForce<S>>],
     /// What each block brings, in the order of the system.
     base: Vec<&'c Base<S>>,
     /// The place of each block of the attempt in the system.
     places: Vec<Option<usize>>,
     /// Closed contacts with a block of the system.
-    closed: Vec<(usize, &'c ContactGeometry<S>)>,
+    closed: Vec<ClosedContact<'c, S>>,
 }
 
 impl<'c, 'a, S: Field> System<'c, 'a, S> {
-    /// The system of all moving blocks, or of those of an island; `None` where this type cannot calculate its geometry.
+    /// The system of all moving blocks, or of those of an island, in these modes. `slip` says what friction does to a contact, if it slides. `None`
+    /// where this type cannot tell that, or cannot calculate the geometry.
     pub(crate) fn of(
         values: &'c AttemptValues<'a, S>,
-        modes: &'c [Mode],
-        friction: &'c [Option<SlipForce<S>>],
-        island: Option<&[usize]>,
+        modes: &[Mode],
+        slip: impl Fn(usize) -> Option<Option<&'c SlipForce<S>>>,
+        island: Option<&Island>,
     ) -> Option<System<'c, 'a, S>> {
-        let mut places = vec![None; values.attempt.blocks.len()];
-        let mut base = Vec::new();
-        for (block, _) in
-            values.attempt.moving().filter(|(block, _)| island.is_none_or(|blocks| blocks.contains(block)))
-        {
-            places[block] = Some(base.len());
-            base.push(values.base(block)?);
-        }
-        let mut closed = Vec::new();
-        for (k, started) in values.attempt.started.iter().enumerate() {
-            if modes[k] != Mode::Open && started.blocks.iter().any(|&block| places[block].is_some()) {
-                closed.push((k, values.contact(k)?));
+        let attempt = values.attempt;
+        let mut system =
+            System { values, base: Vec::new(), places: vec![None; attempt.blocks.len()], closed: Vec::new() };
+        match island {
+            Some(island) => {
+                island.blocks.iter().try_for_each(|&block| system.add_block(block))?;
+                island.contacts.iter().try_for_each(|&k| system.add_contact(k, modes[k], &slip))?;
+            }
+            None => {
+                attempt.moving().try_for_each(|(block, _)| system.add_block(block))?;
+                for (k, &mode) in modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
+                    if attempt.started[k].blocks.iter().any(|&block| system.places[block].is_some()) {
+                        system.add_contact(k, mode, &slip)?;
+                    }
+                }
             }
         }
-        Some(System { values, modes, friction, base, places, closed })
+        Some(system)
+    }
+
+    fn add_block(&mut self, block: usize) -> Option<()> {
+        self.places[block] = Some(self.base.len());
+        self.base.push(self.values.base(block)?);
+        Some(())
+    }
+
+    fn add_contact(
+        &mut self,
+        place: usize,
+        mode: Mode,
+        slip: impl Fn(usize) -> Option<Option<&'c SlipForce<S>>>,
+    ) -> Option<()> {
+        let geometry = self.values.contact(place)?;
+        self.closed.push(ClosedContact { place, mode, geometry, slip: slip(place)? });
+        Some(())
     }
 
     fn sizes(&self) -> Vec<usize> {
@@ -127,6 +160,9 @@ impl StepNumber for BigRational {
         _start: Option<Vec<Self>>,
     ) -> Option<Vec<Self>> {
         system.free_motion().or_else(|| {
+            if system.sizes().into_iter().sum::<usize>() > EXACT_UNKNOWNS {
+                return None;
+            }
             let system = system.assembled();
             fraction_free_solve(&system.dense(), &system.right)
         })
@@ -136,7 +172,8 @@ impl StepNumber for BigRational {
 impl<S: StepNumber> AttemptValues<'_, S> {
     /// The system of the next solve with these modes, as a matrix.
     pub(crate) fn assembled(&self, modes: &[Mode]) -> Option<BlockSparseSystem<S>> {
-        Some(System::of(self, modes, &self.friction(modes)?, None)?.assembled())
+        let friction = self.friction(modes)?;
+        Some(System::of(self, modes, |k| Some(friction[k].as_ref()), None)?.assembled())
     }
 }
 
@@ -149,18 +186,18 @@ impl<S: Field> System<'_, '_, S> {
             system.add(row, row, |r, c| base.matrix[r][c].clone());
             system.add_right(row, |r| base.right[r].clone());
         }
-        for &(k, contact) in &self.closed {
-            let (mode, joint) = (self.modes[k], &values.joints[k]);
+        for &ClosedContact { place: k, mode, geometry: contact, slip } in &self.closed {
+            let joint = &values.joints[k];
             let rows = values.attempt.started[k].blocks.map(|block| self.places[block]);
             let pulls = [0, 1].map(|side: usize| frame::generalized(&contact.points[side], &contact.normal));
             let stiffness = joint.normal.times(&contact.over_square);
             let shear = joint.shear.times(&contact.over_square);
             // What acts at no displacement: the springs on h0 and s0, and f.
-            let (weight, tangential) = match &self.friction[k] {
+            let (weight, tangential) = match slip {
                 Some(slip) => (stiffness.clone(), slip.at(&contact.stretch)),
                 None => (stiffness.minus(&shear), contact.stretch.scaled(&joint.shear)),
             };
-            let sideways = self.friction[k].as_ref().filter(|slip| !slip.spring.is_zero());
+            let sideways = slip.filter(|slip| !slip.spring.is_zero());
             let sideways = sideways.map(|slip| {
                 (&slip.spring, [0, 1].map(|side: usize| frame::generalized(&contact.points[side], &slip.across)))
             });
@@ -250,133 +287,5 @@ impl Support for StepSupport<'_> {
         let mut solution = self.factor.solve(right);
         unscale(&mut solution);
         solution
-    }
-}
-
-/// How well a spring across a slip must be known, as a share of the normal stiffness and of its own direction: a factor of a stiffness
-/// that is wrong by more corrects too slowly.
-const SPRING_ACCURACY: f64 = 1.0 / 1_048_576.0;
-
-/// The spring across a slip in f64: the stiffness and the vector on which it acts; `None` where the type knows too little of it.
-fn float_spring<S: Field>(slip: &SlipForce<S>, normal: f64) -> Option<(f64, [f64; 3])> {
-    if slip.spring.is_zero() {
-        return Some((0.0, [0.0; 3]));
-    }
-    let (spring, b) = (slip.spring.nearby(), slip.across.components().map(Field::nearby));
-    let square: f64 = b.iter().map(|(middle, _)| middle * middle).sum();
-    let turned = b.iter().map(|(_, radius)| radius).fold(0.0, |most: f64, radius| most.max(*radius));
-    let known = spring.1 * square <= SPRING_ACCURACY * normal && turned <= SPRING_ACCURACY * square.sqrt();
-    known.then_some((spring.0, b.map(|(middle, _)| middle)))
-}
-
-/// The f64 stiffness of contacts in these modes, in the next solve of an attempt; `None` where it knows too little of the springs across
-/// the slips.
-pub(crate) fn stiffness<'l, S: StepNumber>(
-    values: &AttemptValues<'_, S>,
-    modes: &[Mode],
-    layout: &'l Layout,
-) -> Option<Stiffness<'l>> {
-    let friction = values.friction(modes)?;
-    let near = |value: &S| value.nearby().0;
-    // First what this type may know too little of.
-    let spring = |(slip, joint): (&Option<SlipForce<S>>, &JointIn<S>)| match slip {
-        Some(slip) => float_spring(slip, near(&joint.normal)),
-        None => Some((0.0, [0.0; 3])),
-    };
-    let springs = friction.iter().zip(&values.joints).map(spring).collect::<Option<Vec<_>>>()?;
-    let diagonal = values.attempt.moving().map(|(block, _)| {
-        let mut square: Square = [[0.0; 12]; 12];
-        for (line, row) in square.iter_mut().zip(&values.base(block)?.matrix) {
-            for (place, entry) in line.iter_mut().zip(row) {
-                *place = near(entry);
-            }
-        }
-        Some(square)
-    });
-    let mut stiffness = Stiffness::new(layout, diagonal.collect::<Option<_>>()?);
-    for (k, &mode) in modes.iter().enumerate().filter(|(_, mode)| **mode != Mode::Open) {
-        let (contact, joint) = (values.contact(k)?, &values.joints[k]);
-        let rows = values.attempt.started[k].blocks.map(|block| values.attempt.rows[block]);
-        let n = contact.normal.map(near);
-        let n = [n.x, n.y, n.z].map(|c| c / near(&contact.square).sqrt());
-        let (normal, shear) = (near(&joint.normal), if mode == Mode::Locked { near(&joint.shear) } else { 0.0 });
-        // The force of a displacement of A against B: shear across n, what is more along it, and the spring across the slip.
-        let (spring, b) = springs[k];
-        let bent: [[f64; 3]; 3] = std::array::from_fn(|r| {
-            std::array::from_fn(|c| {
-                (normal - shear) * n[r] * n[c] + if r == c { shear } else { 0.0 } + spring * b[r] * b[c]
-            })
-        });
-        let lines = [0, 1].map(|side: usize| frame::float_rows(&contact.points[side].map(near)));
-        for one in 0..2 {
-            let Some(row) = rows[one] else { continue };
-            let forced: [[f64; 12]; 3] = std::array::from_fn(|r| {
-                std::array::from_fn(|c| (0..3).fold(0.0, |sum, axis| sum + bent[r][axis] * lines[one][axis][c]))
-            });
-            add(&mut stiffness.diagonal[row], &lines[one], &forced, 1.0);
-            let Some(other) = rows[1 - one] else { continue };
-            // The later block's rows and this one's columns.
-            if other > row
-                && let Some(square) = stiffness.coupling(row, other)
-            {
-                add(square, &lines[1 - one], &forced, -1.0);
-            }
-        }
-    }
-    Some(stiffness)
-}
-
-/// Adds `sign · rowsᵀ·columns`.
-fn add(square: &mut Square, rows: &[[f64; 12]; 3], columns: &[[f64; 12]; 3], sign: f64) {
-    for axis in 0..3 {
-        for (line, &factor) in square.iter_mut().zip(&rows[axis]) {
-            if factor != 0.0 {
-                for (place, &value) in line.iter_mut().zip(&columns[axis]) {
-                    *place += sign * factor * value;
-                }
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rockproof_model::Vec3;
-
-    /// |b|² = 25·2⁻²⁰.
-    const ACROSS: [f64; 3] = [3.0 / 1024.0, 4.0 / 1024.0, 0.0];
-
-    /// A spring of k/|b|² for k = 10⁹ N/m, both with a radius that is so large a share of them.
-    fn spring(of_spring: f64, of_across: f64) -> SlipForce<Ball> {
-        let size = 1e9 / (25.0 * 2f64.powi(-20));
-        let across = ACROSS.map(|middle| Ball { middle, radius: of_across * 5.0 / 1024.0 });
-        let [x, y, z] = across;
-        SlipForce {
-            last: Vec3::zero(),
-            secant: Ball { middle: 1.0, radius: 0.0 },
-            across: Vec3::new(x, y, z),
-            spring: Ball { middle: size, radius: of_spring * size },
-        }
-    }
-
-    #[test]
-    fn a_spring_across_a_slip_is_used_where_it_is_known_to_a_millionth() {
-        let (well, badly) = (2f64.powi(-21), 2f64.powi(-19));
-        for (of_spring, of_across, known) in [
-            (0.0, 0.0, true),
-            (well, 0.0, true),
-            (badly, 0.0, false),
-            (0.0, well, true),
-            (0.0, badly, false),
-            (well, well, true),
-            (badly, badly, false),
-        ] {
-            let slip = spring(of_spring, of_across);
-            let expected = known.then_some((slip.spring.middle, ACROSS));
-            assert_eq!(float_spring(&slip, 1e9), expected, "{of_spring} {of_across}");
-        }
-        let none = SlipForce { spring: Ball { middle: 0.0, radius: 0.0 }, ..spring(0.0, badly) };
-        assert_eq!(float_spring(&none, 1e9), Some((0.0, [0.0; 3])));
     }
 }

@@ -1,11 +1,15 @@
 //! Blocks that fall together, touching: told from others, solved without a matrix, and decided by fractions before balls of many bits.
 
+mod islands;
+
 use super::super::answer::StepModel;
-use super::super::decisions::NextMode;
+use super::super::decisions::{FrictionSettled, NextMode};
+use super::super::islands::Island;
 use super::super::open_close_iteration::first_time_step;
 use super::super::prepare::PreparedStep;
 use super::super::state::State;
 use super::super::system::System;
+use super::super::transfer::StartingContact;
 use super::*;
 use crate::field::{Field, Halve, LANES, Packed, PackedBalls, PackedDoubleBalls, UpperBound};
 use crate::solve::{Correctable, fraction_free_solve};
@@ -21,11 +25,6 @@ const PARTING: [usize; 2] = [4, 5];
 
 /// A fixed floor; two cubes that fall together, one deformable; a cube that the floor presses; two cubes that touch, with other velocities.
 fn with_cascade(look: impl FnOnce(&Attempt<'_>, Cascade<'_>)) {
-    let number = |n: i64, d: i64| Number::from_rational(BigRational::new(n.into(), d.into()));
-    let cuboid = |low: [Number; 3], high: [i32; 3]| {
-        let ([a, b, c], [x, y, z]) = (low, high.map(Number::from_integer));
-        Block::cuboid(&Vec3::new(a, b, c), &Vec3::new(x, y, z)).unwrap()
-    };
     let cube = |x: i32, z: Number, top: i32| cuboid([Number::from_integer(x), Number::ZERO, z], [x + 1, 1, top]);
     let blocks = [
         cuboid([0, 0, -1].map(Number::from_integer), [20, 1, 0]),
@@ -38,17 +37,36 @@ fn with_cascade(look: impl FnOnce(&Attempt<'_>, Cascade<'_>)) {
     let motions = [Motion::Fixed, Motion::Rigid, Motion::Deformable, Motion::Rigid, Motion::Rigid, Motion::Deformable];
     let rate = |n| Vec3::new(number(n, 3), Number::ZERO, number(-1, 7));
     let velocities = [rate(0), rate(1), rate(1), rate(0), rate(1), rate(2)];
-    let bodies: Vec<Body> = motions
-        .into_iter()
-        .zip(velocities)
-        .map(|(motion, velocity)| Body { motion, velocity, ..Body::default() })
-        .collect();
+    let bodies: Vec<Body> = motions.into_iter().zip(velocities).map(body).collect();
+    with_blocks(&blocks, &bodies, look);
+}
+
+fn number(n: i64, d: i64) -> Number {
+    Number::from_rational(BigRational::new(n.into(), d.into()))
+}
+
+fn cuboid(low: [Number; 3], high: [i32; 3]) -> Block {
+    let ([a, b, c], [x, y, z]) = (low, high.map(Number::from_integer));
+    Block::cuboid(&Vec3::new(a, b, c), &Vec3::new(x, y, z)).unwrap()
+}
+
+fn body((motion, velocity): (Motion, Vec3<Number>)) -> Body {
+    Body { motion, velocity, ..Body::default() }
+}
+
+/// The first solve of these blocks under 10 m/s², with joints of 10⁹ N/m.
+fn with_blocks(blocks: &[Block], bodies: &[Body], look: impl FnOnce(&Attempt<'_>, Cascade<'_>)) {
+    with_joints(1_000_000_000, blocks, bodies, look);
+}
+
+/// The same with joints of this stiffness in N/m.
+fn with_joints(normal: i64, blocks: &[Block], bodies: &[Body], look: impl FnOnce(&Attempt<'_>, Cascade<'_>)) {
     let mut simulation =
         Simulation { gravity: Vec3::new(Number::ZERO, Number::ZERO, number(-10, 1)), ..Simulation::default() };
-    simulation.joints.other.normal_stiffness = Some(number(1_000_000_000, 1));
+    simulation.joints.other.normal_stiffness = Some(number(normal, 1));
     let shapes: Vec<&Block> = blocks.iter().collect();
     let tolerances = ToleranceSpec::default().derive(&shapes, Precision::F64).unwrap();
-    let model = StepModel { shapes: &shapes, bodies: &bodies, simulation: &simulation, tolerances: &tolerances };
+    let model = StepModel { shapes: &shapes, bodies, simulation: &simulation, tolerances: &tolerances };
     let state = State::initial(&model);
     let prepared = PreparedStep::new(&model, &state).unwrap();
     let attempt = prepared.attempt(first_time_step(&prepared));
@@ -70,22 +88,27 @@ fn only_blocks_whose_contacts_bear_no_force_are_solved_without_a_matrix() {
         let friction = values.friction(&modes).unwrap();
         for is_definite in [true, false] {
             values.is_definite = is_definite;
-            for (island, is_free) in [(&FALLING[..], true), (&PRESSED, false), (&PARTING, false)] {
-                let system = System::of(&values, &modes, &friction, Some(island)).unwrap();
+            for (blocks, is_free) in [(&FALLING[..], true), (&PRESSED, false), (&PARTING, false)] {
+                let contacts = (0..modes.len()).filter(|&k| {
+                    modes[k] != Mode::Open && attempt.started[k].blocks.iter().any(|b| blocks.contains(b))
+                });
+                let island = Island { blocks: blocks.to_vec(), contacts: contacts.collect() };
+                let slip = |k: usize| Some(friction[k].as_ref());
+                let system = System::of(&values, &modes, slip, Some(&island)).unwrap();
                 let solved = BigRational::solve(&system, None, None);
                 let free = system.free_motion();
-                assert_eq!(free.is_some(), is_free && is_definite, "{island:?}");
+                assert_eq!(free.is_some(), is_free && is_definite, "{blocks:?}");
                 assert!(free.is_none() || free == solved);
-                let blocks: Vec<usize> = attempt.moving().map(|(block, _)| block).collect();
+                let moving: Vec<usize> = attempt.moving().map(|(block, _)| block).collect();
                 let whole = values.assembled(&modes).unwrap();
                 let all = fraction_free_solve(&whole.dense(), &whole.right).unwrap();
                 let mut rest = all.into_iter();
-                let plain = blocks.iter().flat_map(|block| {
+                let plain = moving.iter().flat_map(|block| {
                     let own: Vec<BigRational> =
                         rest.by_ref().take(attempt.sizes[attempt.rows[*block].unwrap()]).collect();
-                    if island.contains(block) { own } else { Vec::new() }
+                    if blocks.contains(block) { own } else { Vec::new() }
                 });
-                assert_eq!(solved, Some(plain.collect()), "{island:?}");
+                assert_eq!(solved, Some(plain.collect()), "{blocks:?}");
             }
         }
     });
@@ -225,7 +248,7 @@ fn hold_packed<P: Packed<Single = S>, S: StepNumber + Correctable + Copy + std::
     share: i64,
 ) {
     let friction = values.friction(modes).unwrap();
-    let system = System::of(values, modes, &friction, None).unwrap();
+    let system = System::of(values, modes, |k| Some(friction[k].as_ref()), None).unwrap();
     let solved: Vec<S> = values.solves[0].solution().map(|x| x.corrected(0.0, 0, 106)).collect();
     let other: Vec<S> =
         (0..solved.len()).map(|k| S::of_rational(&BigRational::new((k as i64 - 9).into(), 7000.into()), 106)).collect();
@@ -273,16 +296,14 @@ fn four_contacts_at_a_time_have_the_middles_of_single_ones() {
 fn a_residual_of_four_contacts_at_a_time_holds_the_exact_one() {
     with_cascade(|attempt, mut cascade| {
         let modes = attempt.first_modes();
-        let friction = vec![None; modes.len()];
         let exact: AttemptValues<'_, BigRational> = AttemptValues::new(attempt, 0);
-        let none = vec![None; modes.len()];
-        let exact = System::of(&exact, &modes, &none, None).unwrap();
+        let exact = System::of(&exact, &modes, |_| Some(None), None).unwrap();
         let values = cascade.double().unwrap();
         let x: Vec<BigRational> = (0..exact.residual_singly(None).len())
             .map(|k| BigRational::new((k as i64 - 9).into(), 1024.into()))
             .collect();
         let balls: Vec<DoubleBall> = x.iter().map(|x| DoubleBall::of_rational(x, 106)).collect();
-        let system = System::of(values, &modes, &friction, None).unwrap();
+        let system = System::of(values, &modes, |_| Some(None), None).unwrap();
         let residual = system.residual_packed::<PackedDoubleBalls>(Some(&balls));
         let in_one = system.residual_packed::<OneF64>(Some(&balls));
         let largest = largest_radii(&system, Some(&balls), BY_TWO_F64);

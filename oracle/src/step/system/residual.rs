@@ -2,7 +2,7 @@
 //! stiffnesses, as a product with the assembled matrix would.
 
 use super::free_motion::pressed;
-use super::{StepNumber, System};
+use super::{ClosedContact, StepNumber, System};
 use crate::field::{Field, LANES, Packed, packed_vector};
 use crate::solve::Residual;
 use crate::step::contact::ContactGeometry;
@@ -47,14 +47,16 @@ impl<S: Field> System<'_, '_, S> {
                 residual.push(terms.fold(right.clone(), |sum, (entry, x)| sum.minus(&entry.times(x))));
             }
         }
-        for &(k, contact) in &self.closed {
-            let own = self.values.attempt.started[k].blocks.map(|block| self.places[block].map(|place| &ranges[place]));
+        for contact in &self.closed {
+            let own = self.values.attempt.started[contact.place]
+                .blocks
+                .map(|block| self.places[block].map(|place| &ranges[place]));
             let of = |side: usize| own[side].and_then(|range| Some(&x?[range.clone()])).unwrap_or(&[]);
-            let force = self.force_on_b(k, contact, [of(0), of(1)]);
+            let force = self.force_on_b(contact, [of(0), of(1)]);
             let forces = [force.negated(), force];
             for (side, force) in forces.iter().enumerate() {
                 if let Some(range) = own[side] {
-                    frame::add_pull(&mut residual[range.clone()], &contact.points[side], force);
+                    frame::add_pull(&mut residual[range.clone()], &contact.geometry.points[side], force);
                 }
             }
         }
@@ -84,16 +86,16 @@ impl<S: Field> System<'_, '_, S> {
         }
         for chunk in self.closed.chunks(LANES) {
             // The last chunk is filled up with its last contact, whose copies are not counted.
-            let lanes: [(usize, &ContactGeometry<S>); LANES] =
-                std::array::from_fn(|lane| chunk[lane.min(chunk.len() - 1)]);
-            let own = lanes.map(|(k, _)| {
-                self.values.attempt.started[k].blocks.map(|block| self.places[block].map(|place| &ranges[place]))
+            let lanes: [&ClosedContact<'_, S>; LANES] = std::array::from_fn(|lane| &chunk[lane.min(chunk.len() - 1)]);
+            let own = lanes.map(|contact| {
+                let blocks = self.values.attempt.started[contact.place].blocks;
+                blocks.map(|block| self.places[block].map(|place| &ranges[place]))
             });
-            let contact = ContactGeometry::<P>::packed(lanes.map(|(_, contact)| contact));
+            let contact = ContactGeometry::<P>::packed(lanes.map(|contact| contact.geometry));
             let unknowns =
                 own.map(|ranges| ranges.map(|range| range.and_then(|range| Some(&x?[range.clone()])).unwrap_or(&[])));
             let moved = contact.packed_moved(unknowns);
-            let force = self.packed_force(lanes.map(|(k, _)| k), &contact, &moved);
+            let force = self.packed_force(lanes, &contact, &moved);
             let forces = [force.negated(), force];
             let pulls = [0, 1].map(|side: usize| {
                 let (point, force) = (contact.points[side].components(), forces[side].components());
@@ -114,13 +116,13 @@ impl<S: Field> System<'_, '_, S> {
     /// The forces of four closed contacts on B.
     fn packed_force<P: Packed<Single = S>>(
         &self,
-        lanes: [usize; LANES],
+        lanes: [&ClosedContact<'_, S>; LANES],
         contact: &ContactGeometry<P>,
         moved: &Vec3<P>,
     ) -> Vec3<P> {
-        let joints = lanes.map(|k| &self.values.joints[k]);
+        let joints = lanes.map(|closed| &self.values.joints[closed.place]);
         let (pressed, stretch) = pressed(contact, &P::of(joints.map(|joint| &joint.normal)), moved);
-        let slips = lanes.map(|k| self.friction[k].as_ref());
+        let slips = lanes.map(|closed| closed.slip);
         let held = stretch.scaled(&P::of(joints.map(|joint| &joint.shear)));
         if slips.iter().all(Option::is_none) {
             return pressed.plus(&held);
