@@ -232,18 +232,18 @@ impl<S: Field> System<'_, '_, S> {
 /// What f64 proves of all systems of one attempt: a scaling and a lower bound of the smallest eigenvalue.
 ///
 /// Springs only add to the stiffness (`vᵀKv ≥ vᵀBv`, B the system without contacts), so the bound of B, block by
-/// block, is one of every K.
+/// block, is one of every K. The spring across a slip has the sign of the strength, so neither friction nor cohesion may be negative.
 pub(crate) struct StiffnessBound {
     scale: Vec<i32>,
     least: f64,
 }
 
 impl StiffnessBound {
-    /// The bound of an attempt's base; `None` where f64 proves none, or a stiffness may be negative.
+    /// The bound of an attempt's base; `None` where f64 proves none, or a spring may be negative.
     pub(crate) fn new<S: Field>(values: &AttemptValues<'_, S>) -> Option<StiffnessBound> {
         let springs = |joint: &JointIn<S>| {
-            let mut signs = [&joint.normal, &joint.shear].into_iter().map(Field::certain_sign);
-            signs.all(|sign| sign.is_some_and(|sign| !sign.is_negative()))
+            let values = [&joint.normal, &joint.shear, &joint.friction, &joint.cohesive];
+            values.into_iter().map(Field::certain_sign).all(|sign| sign.is_some_and(|sign| !sign.is_negative()))
         };
         if !values.joints.iter().all(springs) {
             return None;

@@ -14,7 +14,7 @@ use super::*;
 use crate::field::{Field, Halve, LANES, Packed, PackedBalls, PackedDoubleBalls, UpperBound};
 use crate::solve::{Correctable, fraction_free_solve};
 use num_traits::Signed;
-use rockproof_model::simulation::{Body, Motion, Simulation};
+use rockproof_model::simulation::{Body, JointProperties, Motion, Simulation};
 use rockproof_model::{Block, Number, Precision, Ring, ToleranceSpec, Vec3};
 use std::marker::PhantomData;
 
@@ -61,9 +61,20 @@ fn with_blocks(blocks: &[Block], bodies: &[Body], look: impl FnOnce(&Attempt<'_>
 
 /// The same with joints of this stiffness in N/m.
 fn with_joints(normal: i64, blocks: &[Block], bodies: &[Body], look: impl FnOnce(&Attempt<'_>, Cascade<'_>)) {
+    with_properties(|joint| joint.normal_stiffness = Some(number(normal, 1)), blocks, bodies, look);
+}
+
+/// The same with joints that are changed so.
+fn with_properties(
+    change: impl FnOnce(&mut JointProperties),
+    blocks: &[Block],
+    bodies: &[Body],
+    look: impl FnOnce(&Attempt<'_>, Cascade<'_>),
+) {
     let mut simulation =
         Simulation { gravity: Vec3::new(Number::ZERO, Number::ZERO, number(-10, 1)), ..Simulation::default() };
-    simulation.joints.other.normal_stiffness = Some(number(normal, 1));
+    simulation.joints.other.normal_stiffness = Some(number(1_000_000_000, 1));
+    change(&mut simulation.joints.other);
     let shapes: Vec<&Block> = blocks.iter().collect();
     let tolerances = ToleranceSpec::default().derive(&shapes, Precision::F64).unwrap();
     let model = StepModel { shapes: &shapes, bodies, simulation: &simulation, tolerances: &tolerances };

@@ -161,3 +161,24 @@ fn where_no_force_changes_friction_has_settled_however_little_presses() {
         assert_eq!(cascade.ask(&FrictionSettled { modes: [&modes, &modes] }), Some(false));
     });
 }
+
+#[test]
+fn a_system_whose_springs_may_pull_is_not_known_to_be_definite() {
+    let mut scene = Scene::with_floor();
+    scene.tower(0, 0, 2, number(1, 1000), &rate(Number::ZERO, Number::ZERO));
+    let is_definite = |change: &dyn Fn(&mut JointProperties)| {
+        let mut definite = None;
+        with_properties(change, &scene.blocks, &scene.bodies, |_, mut cascade| {
+            definite = cascade.exact().map(|values| values.is_definite);
+            assert_eq!(definite, Some(cascade.history.bound.is_some()));
+        });
+        definite
+    };
+    let minus = number(-1, 2);
+    assert_eq!(is_definite(&|_| ()), Some(true));
+    assert_eq!(is_definite(&|joint| (joint.friction, joint.cohesion) = (Number::ZERO, Number::ZERO)), Some(true));
+    assert_eq!(is_definite(&|joint| joint.normal_stiffness = Some(minus.clone())), Some(false));
+    assert_eq!(is_definite(&|joint| joint.shear_ratio = minus.clone()), Some(false));
+    assert_eq!(is_definite(&|joint| joint.friction = minus.clone()), Some(false));
+    assert_eq!(is_definite(&|joint| joint.cohesion = minus.clone()), Some(false));
+}
