@@ -26,6 +26,8 @@ pub struct DoubleSteps {
     waits: HashMap<[u32; 2], Wait>,
     /// Pairs of which 512 bits left a comparison unsettled in the last step, or one of them: in the next, in all likelihood, they do again.
     unsettled: Vec<[u32; 2]>,
+    /// [`PAIRS_AT_ONCE`].
+    pairs_at_once: usize,
 }
 
 /// For how many steps a pair is not asked in two f64: what they leave open they often leave open in the next step, too.
@@ -59,7 +61,7 @@ impl DoubleSteps {
     /// A scene, whose blocks are those of f64, with its tolerances; `None` where two f64 leave open how it begins.
     pub fn begin(scene: &Scene, set: &ToleranceSet) -> Option<DoubleSteps> {
         let dynamics = settled(|| Dynamics::new(scene, set))?.ok()?;
-        Some(DoubleSteps { dynamics, waits: HashMap::new(), unsettled: Vec::new() })
+        Some(DoubleSteps { dynamics, waits: HashMap::new(), unsettled: Vec::new(), pairs_at_once: PAIRS_AT_ONCE })
     }
 
     /// What the next step from a state of floats decides in 512 bits, by the tolerances of the scene. `None` where two f64 leave open what its blocks are
@@ -97,7 +99,7 @@ impl DoubleSteps {
             found.push(contacts);
         }
         let mut in_wide = Vec::with_capacity(open.len());
-        for part in open.chunks(PAIRS_AT_ONCE) {
+        for part in open.chunks(self.pairs_at_once) {
             let (contacts, unsettled) = self.dynamics.contacts_in_wide(part, set)?;
             if unsettled > 0 {
                 self.unsettled = part.to_vec();

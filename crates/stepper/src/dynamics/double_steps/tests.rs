@@ -34,18 +34,25 @@ fn falling() -> (Scene, ToleranceSet) {
 #[test]
 fn what_two_f64_decide_is_what_512_bits_do() {
     // What is unsettled counts where it is found.
-    ThreadPoolBuilder::new().num_threads(1).build().expect("a pool").install(compare_steps);
+    let alone = ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    // Pairs are asked in two f64 first, or at once in 512 bits, together or one by one.
+    for (waiting, at_once) in [(&[][..], PAIRS_AT_ONCE), (&[[0, 1], [1, 2]], PAIRS_AT_ONCE), (&[[0, 1], [1, 2]], 1)] {
+        alone.install(|| compare_steps(waiting, at_once));
+    }
 }
 
-fn compare_steps() {
+fn compare_steps(waiting: &[[u32; 2]], pairs_at_once: usize) {
     let (scene, set) = falling();
     let mut in_double = DoubleSteps::begin(&scene, &set).expect("nothing is left open");
+    in_double.pairs_at_once = pairs_at_once;
     let mut in_f64 = Dynamics::<f64>::new(&scene, &set).expect("a scene");
     let mut wide = Dynamics::<Wide>::new(&scene, &set).expect("a scene");
     let (mut made, mut with_contacts) = (0, 0);
     for step in 0..6 {
         let state = in_f64.state().clone();
+        in_double.waits.extend(waiting.iter().map(|&pair| (pair, Wait { steps: 1, left: 1 })));
         let found = in_double.decide(&state, &set).expect("its blocks are known");
+        assert!(waiting.iter().all(|pair| in_double.waits[pair].left == 0), "step {step}");
         wide.restore(state.in_scalar()).expect("the same scene");
         let (contacts, unsettled) = wide.filtered_contacts(&set).expect("a state of f64");
         assert_eq!(found.contacts.as_ref(), (unsettled == 0).then_some(&contacts), "step {step}");
