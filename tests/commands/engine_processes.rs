@@ -99,7 +99,7 @@ fn a_signal_ends_hanging_engines_at_once() {
         numbers(&dir.join("numbers"));
         if *command == midway {
             // Into the first chunk, where a third of the questions is never answered.
-            std::thread::sleep(Duration::from_secs(2));
+            std::thread::sleep(Duration::from_secs(1));
         }
         // The second finds the program as the first left it, or about to end.
         signals.iter().for_each(|name| signal(&child, name));
@@ -188,18 +188,21 @@ fn what_an_engine_says_is_shown_and_not_done() {
 #[test]
 fn a_line_after_each_answer_is_malformed_and_not_recovered() {
     let answer = "echo \"{\\\"id\\\":$n,\\\"contacts\\\":[]}\"; n=$((n+1))";
-    for script in [
+    let scripts = [
         format!("n=0; while read line; do {answer}; sleep 0.05; echo late; done"),
         format!("n=0; while read line; do [ $n -gt 0 ] && echo late && sleep 0.005; {answer}; done"),
-    ] {
+    ];
+    let is_malformed = |script: &str| {
         let dir = crate::place::folder();
-        let config = around(&["sh", "-c", &script], "[[limit]]\nchange = \"malformed\"\ncount = 0\n");
+        let config = around(&["sh", "-c", script], "[[limit]]\nchange = \"malformed\"\ncount = 0\n");
         let config = config.replace("pairs = 256", "pairs = 32").replace("timeout_ms = 500", "timeout_ms = 20000");
         let ran = gate(dir.path(), &config, &[], true);
         assert!(ran.code == 1 && ran.out.contains("malformed"), "{}{}", ran.out, ran.err);
         // Of failures that a fresh process did not repeat it would be said that no limit names them.
         assert!(!ran.out.contains("no limit names them"), "{}", ran.out);
-    }
+    };
+    // Both at a time, since they wait most of theirs.
+    std::thread::scope(|scope| scripts.iter().for_each(|script| drop(scope.spawn(|| is_malformed(script)))));
 }
 
 #[test]
