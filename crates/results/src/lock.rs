@@ -32,18 +32,19 @@ pub(crate) struct Lock {
 impl Lock {
     /// Takes the lock. On a file system without locks there is none to take: better unprotected, and told, than not at all.
     pub(crate) fn take(dir: &Path, owner: Owner) -> Result<Lock, ResultsError> {
-        let (lock, protects) = Lock::take_by(File::try_lock, dir, owner)?;
+        let (lock, protects) = Lock::take_by(File::try_lock, dir, owner, NAMING)?;
         if !protects {
             notify(dir);
         }
         Ok(lock)
     }
 
-    /// The same by a function that tries to lock a file; whether the lock protects.
+    /// The same by a function that tries to lock a file, waiting so long for a holder to write itself into it; whether the lock protects.
     fn take_by(
         try_lock: impl Fn(&File) -> Result<(), TryLockError>,
         dir: &Path,
         owner: Owner,
+        naming: Duration,
     ) -> Result<(Lock, bool), ResultsError> {
         let path = dir.join(LOCK);
         let at = || ResultsError::at(&path);
@@ -62,7 +63,7 @@ impl Lock {
             let held = String::from_utf8_lossy(&text);
             if attempt == Attempt::Held {
                 // On Windows what another process has locked cannot be read: there is nothing to wait for.
-                if read.is_ok() && !held.starts_with(FIRST) && begin.elapsed() < NAMING {
+                if read.is_ok() && !held.starts_with(FIRST) && begin.elapsed() < naming {
                     thread::sleep(LOOK);
                     continue;
                 }
@@ -186,9 +187,12 @@ mod tests {
             error.join().expect("no panic")
         });
         assert!(error.contains("in use by process 7 (rockproof), since now;"), "{error}");
-        // One that never does is given up after [`NAMING`].
+        // One that never does is given up after a while.
         file.set_len(0).expect("emptied");
-        assert!(refused().contains("in use by another process;"));
+        let (begin, while_long) = (Instant::now(), Duration::from_millis(50));
+        let error = Lock::take_by(File::try_lock, dir.path(), Owner::Campaign, while_long).expect_err("held");
+        assert!(error.to_string().contains("in use by another process;"), "{error}");
+        assert!((while_long..NAMING).contains(&begin.elapsed()), "{:?}", begin.elapsed());
     }
 
     #[test]
@@ -196,11 +200,12 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let by = |kind: ErrorKind| {
             let fails = move |_: &File| Err(TryLockError::Error(kind.into()));
-            Lock::take_by(fails, dir.path(), Owner::Campaign).map(|(lock, protects)| (lock.path.exists(), protects))
+            Lock::take_by(fails, dir.path(), Owner::Campaign, NAMING)
+                .map(|(lock, protects)| (lock.path.exists(), protects))
         };
         assert_eq!(by(ErrorKind::Unsupported).expect("no obstacle"), (true, false));
         assert!(matches!(by(ErrorKind::PermissionDenied), Err(ResultsError::Io { .. })));
-        let (lock, protects) = Lock::take_by(File::try_lock, dir.path(), Owner::Campaign).expect("free");
+        let (lock, protects) = Lock::take_by(File::try_lock, dir.path(), Owner::Campaign, NAMING).expect("free");
         assert!(protects && lock.path.exists());
     }
 
