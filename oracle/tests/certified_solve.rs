@@ -106,9 +106,45 @@ fn every_enclosure_holds_the_exact_solution_at_full_size() {
     hold_exact_solutions(3_000);
 }
 
+/// What was found of some systems.
+#[derive(Default)]
+struct Tally {
+    /// Proved definite by f64.
+    by_float: u64,
+    /// With weights over 13 decades.
+    hard: u64,
+    hard_by_float: u64,
+    /// The widest enclosure of each by f64, over the largest unknown, as an exponent of two.
+    widths: Vec<i64>,
+}
+
 fn hold_exact_solutions(systems: u64) {
+    let halves = std::thread::scope(|scope| {
+        let halves = [0..systems / 2, systems / 2..systems].map(|half| scope.spawn(|| examined(half)));
+        halves.map(|half| half.join().expect("every enclosure holds"))
+    });
+    let add = |mut sum: Tally, half: Tally| {
+        sum.by_float += half.by_float;
+        sum.hard += half.hard;
+        sum.hard_by_float += half.hard_by_float;
+        sum.widths.extend(half.widths);
+        sum
+    };
+    let Tally { by_float, hard, hard_by_float, mut widths } = halves.into_iter().fold(Tally::default(), add);
+    widths.sort_unstable();
+    println!(
+        "{systems} systems, {by_float} proved definite by f64; {hard_by_float} of {hard} with weights over 13 decades; \
+         f64 widths 2^{} median, 2^{} worst",
+        widths[widths.len() / 2],
+        widths[widths.len() - 1]
+    );
+    assert!(by_float * 2 > systems, "f64 proves too few: {by_float}");
+    assert!(hard > systems / 20, "only {hard} hard systems");
+}
+
+fn examined(systems: std::ops::Range<u64>) -> Tally {
     let (mut by_float, mut hard, mut hard_by_float, mut widths) = (0, 0, 0, Vec::new());
-    for index in 0..systems {
+    for index in systems {
         let case = case(index);
         let exact = plainly::<BigRational>(&case).unwrap();
         #[cfg(feature = "gmp")]
@@ -139,15 +175,7 @@ fn hold_exact_solutions(systems: u64) {
             }
         }
     }
-    widths.sort_unstable();
-    println!(
-        "{systems} systems, {by_float} proved definite by f64; {hard_by_float} of {hard} with weights over 13 decades; \
-         f64 widths 2^{} median, 2^{} worst",
-        widths[widths.len() / 2],
-        widths[widths.len() - 1]
-    );
-    assert!(by_float * 2 > systems, "f64 proves too few: {by_float}");
-    assert!(hard > systems / 20, "only {hard} hard systems");
+    Tally { by_float, hard, hard_by_float, widths }
 }
 
 #[test]
