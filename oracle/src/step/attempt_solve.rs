@@ -113,12 +113,9 @@ impl<'a, S: StepNumber> AttemptValues<'a, S> {
     pub(crate) fn large_islands_are_solved(&self) -> bool {
         let Some(solve) = self.solves.last() else { return true };
         let unknowns = |block: &usize| self.attempt.rows[*block].map_or(0, |row| self.attempt.sizes[row]);
-        let large = solve
-            .islands
-            .all
-            .iter()
-            .filter(|island| island.blocks.iter().map(unknowns).sum::<usize>() > EXACT_UNKNOWNS);
-        large.into_iter().all(|island| self.displacement(solve, island.blocks[0]).is_some())
+        let is_large = |island: &&Island| island.blocks.iter().map(unknowns).sum::<usize>() > EXACT_UNKNOWNS;
+        let mut large = solve.islands.all.iter().filter(is_large);
+        large.all(|island| self.displacement(solve, island.blocks[0]).is_some())
     }
 
     /// What friction did to a contact in a solve, if it slid in it; `None` where this type cannot tell.

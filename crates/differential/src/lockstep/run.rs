@@ -10,7 +10,7 @@ use crate::lockstep::explain::{
 };
 use crate::lockstep::intrusion::{IntrusionCheck, WatchedStep};
 use crate::lockstep::penetration::{StepPenetrations, penetration};
-use crate::lockstep::scene::{BlockContacts, ExactScene, NumberOverflow};
+use crate::lockstep::scene::{ExactScene, NumberOverflow};
 use crate::lockstep::state::{NotFinite, exact_state};
 use crate::lockstep::state_errors::{anchor_error, displacement_error, velocity_error};
 use crate::lockstep::wide::{WideDecisions, WideError, WideStepper};
@@ -118,25 +118,13 @@ pub struct Lockstep<R, M> {
 /// What the oracle decided in a step, or why it cannot make it.
 type OracleStep = Result<StepDecisions, StepFailure>;
 
-/// The same as the oracle has it.
-type CertainStep = Result<CertifiedStep, StepFailure>;
-
-/// The step as the scene has it, before it is decided.
-struct UndecidedLink<'s> {
-    scene: &'s ExactScene,
-    contacts: BlockContacts,
-}
-
-impl UndecidedLink<'_> {
-    fn decide(self, state: &exact::State) -> CertainStep {
-        self.scene.decide_with(state, self.contacts)
-    }
-}
+/// A step that the oracle decided without the state after it, or why it cannot make it.
+type CertifiedOutcome = Result<CertifiedStep, StepFailure>;
 
 /// The step of the scene without rounding: with ideal tolerances, and with its own, where the engine has other numbers.
 struct ExactLinks {
-    ideal: CertainStep,
-    given: Option<CertainStep>,
+    ideal: CertifiedOutcome,
+    given: Option<CertifiedOutcome>,
 }
 
 impl<R: Solve, M: StepRules> Lockstep<R, M> {
@@ -252,14 +240,12 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
             ComparedLinks::Arithmetic => (make(), None),
             ComparedLinks::All => {
                 let alike = self.same && begin.is_none();
-                let link = |scene| UndecidedLink {
-                    scene,
-                    contacts: unrounded.1.contacts(scene, unrounded.0, &self.differing),
-                };
-                let (ideal, given) = (link(&self.ideal), (!alike).then(|| link(&self.given)));
+                let (state, blocks) = unrounded;
+                let found = |scene| blocks.contacts(scene, state, &self.differing);
+                let (ideal, given) = (found(&self.ideal), (!alike).then(|| found(&self.given)));
                 let decide = || ExactLinks {
-                    ideal: ideal.decide(unrounded.0),
-                    given: given.map(|given| given.decide(unrounded.0)),
+                    ideal: self.ideal.decide_with(state, ideal),
+                    given: given.map(|given| self.given.decide_with(state, given)),
                 };
                 let (exact, links) = beside_one_another(make, decide);
                 (exact, Some(links))
@@ -318,8 +304,9 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         rounded: &OracleStep,
         compared: &mut ComparedStep,
     ) {
-        let decisions =
-            |step: &CertainStep| -> OracleStep { step.as_ref().map(StepDecisions::of_certified).map_err(Clone::clone) };
+        let decisions = |step: &CertifiedOutcome| -> OracleStep {
+            step.as_ref().map(StepDecisions::of_certified).map_err(Clone::clone)
+        };
         let ideal = decisions(&ideal);
         let own = given_step.as_ref().map(decisions);
         let given = own.as_ref().unwrap_or(rounded);

@@ -42,7 +42,7 @@ pub enum WideError {
 /// What a step in the wide scalar decides.
 #[derive(Clone, Debug)]
 pub enum WideDecisions {
-    /// What it decided, or why it cannot be made: exactly so.
+    /// What it decided, or why it cannot be made, with no comparison that rounding may have turned.
     Settled(Result<StepDecisions, StepError>),
     /// 512 bits leave a comparison unsettled, an exact tie, or nearly: what comes of it would not tell a mistake from rounding.
     Unsettled,

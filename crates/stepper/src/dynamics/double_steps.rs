@@ -26,7 +26,7 @@ pub struct DoubleSteps {
     waits: HashMap<[u32; 2], Wait>,
     /// Pairs of which 512 bits left a comparison unsettled in the last step, or one of them: in the next, in all likelihood, they do again.
     unsettled: Vec<[u32; 2]>,
-    /// [`PAIRS_AT_ONCE`].
+    /// How many of the pairs that two f64 leave open are looked at together in 512 bits: [`PAIRS_AT_ONCE`], but in tests.
     pairs_at_once: usize,
 }
 
@@ -45,7 +45,7 @@ impl Wait {
     }
 }
 
-/// So many of the pairs that two f64 leave open are looked at together in 512 bits.
+/// Few, since the others of a part are looked at for nothing where one of them is unsettled.
 const PAIRS_AT_ONCE: usize = 8;
 
 /// What of a step is decided as in 512 bits.
