@@ -6,7 +6,6 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 /// The folder; it goes when the test ends.
 pub(crate) struct Place(tempfile::TempDir);
@@ -57,38 +56,9 @@ impl Place {
     }
 }
 
-/// A folder that goes when the test ends: in memory where there is room, since files that are made durable one by one, and thrown away, take an
-/// eighth of the processor time of tests/commands on a disk, and waiting beside. What is kept for a whole test program, and stays behind, is no matter for
-/// memory. Who sets TMPDIR has them there.
-pub(crate) fn folder() -> tempfile::TempDir {
-    static MEMORY: OnceLock<bool> = OnceLock::new();
-    let memory = *MEMORY.get_or_init(|| {
-        let mounts = fs::read_to_string("/proc/mounts").unwrap_or_default();
-        std::env::var_os("TMPDIR").is_none() && mounts.lines().any(is_roomy_memory)
-    });
-    let made = if memory { tempfile::tempdir_in(MEMORY_FOLDER) } else { tempfile::tempdir() };
-    made.expect("a directory")
-}
-
-const MEMORY_FOLDER: &str = "/dev/shm";
-
-/// Whether a line of /proc/mounts is about a file system in memory of at least a GiB that starts programs: tests write some. A container has 64 MiB, and
-/// starts none.
-fn is_roomy_memory(line: &str) -> bool {
-    let words: Vec<&str> = line.split(' ').collect();
-    let [_, MEMORY_FOLDER, "tmpfs", options, ..] = words[..] else { return false };
-    // Without a size it is half of the memory.
-    let kib = options.split(',').find_map(|option| option.strip_prefix("size=")?.strip_suffix('k')?.parse().ok());
-    kib.is_none_or(|kib: u64| kib >= 1 << 20) && !options.split(',').any(|option| ["noexec", "ro"].contains(&option))
-}
-
-#[test]
-fn folders_are_in_memory_only_where_there_is_room() {
-    let mount = |options: &str| is_roomy_memory(&format!("tmpfs /dev/shm tmpfs {options} 0 0"));
-    assert!(mount("rw,relatime,size=24683656k") && mount("rw,nosuid,nodev") && mount("rw,size=1048576k"));
-    assert!(!mount("rw,size=65536k") && !mount("rw,noexec,size=24683656k") && !mount("ro,relatime"));
-    assert!(!is_roomy_memory("/dev/vda /dev/shm ext4 rw 0 0") && !is_roomy_memory("tmpfs /tmp tmpfs rw 0 0"));
-}
+/// A folder that goes when the test ends, in memory where there is room: files that are made durable one by one, and thrown away, take an eighth of the
+/// processor time of tests/commands on a disk, and waiting beside. What is kept for a whole test program stays behind, and is no matter for memory.
+pub(crate) use rockproof_fuzz::new_folder as folder;
 
 /// `rockproof …`, run where the tests run.
 pub(crate) fn rockproof(args: &[&str]) -> Ran {
