@@ -3,12 +3,13 @@
 mod significand;
 
 use self::significand::{Significand, Uncut};
-use super::{Field, Halve, UpperBound, dyadic};
+use super::{DoubleBall, Field, Halve, UpperBound, dyadic};
+use crate::number::INFLATION;
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use rockproof_model::number::split_f64;
+use rockproof_model::number::{power_of_two, split_f64};
 use rockproof_model::{Number, Ring, Sign};
 
 /// All values within `radius` of `significand · 2^exponent`.
@@ -25,6 +26,10 @@ pub(crate) struct WideBall {
 
 /// Bits kept of a middle below the leading bit of its radius: more would say nothing.
 const GUARD: i64 = 24;
+/// Bits of a middle of which two f64 are made.
+const LEADING_BITS: i64 = 119;
+/// Integers of [`LEADING_BITS`] bits times powers of two from minus this to this are finite, and their last bits normal, in f64.
+const REACH: i64 = 800;
 /// Bits of a quotient of constants, which have no precision of their own.
 const LEAST_BITS: u32 = 64;
 
@@ -38,6 +43,31 @@ impl WideBall {
     pub(crate) fn of_f64(value: f64, bits: u32) -> WideBall {
         let (significand, exponent) = split_f64(value);
         WideBall::exactly(BigInt::from(significand), i64::from(exponent), bits)
+    }
+
+    /// The values of a ball of two f64 times `2^exponent`; `None` where the ball knows nothing: its radius is infinite, or a part is no number.
+    pub(crate) fn of_double(ball: &DoubleBall, exponent: i64, bits: u32) -> Option<WideBall> {
+        let radius = Field::radius(ball)?;
+        let sum = WideBall::of_f64(ball.high, bits).plus(&WideBall::of_f64(ball.low, bits)).widened(radius);
+        Some(WideBall { exponent: sum.exponent + exponent, radius: sum.radius.shifted(exponent), ..sum })
+    }
+
+    /// The values times `2^exponent` in a ball of two f64, with an infinite radius where f64 does not reach.
+    pub(crate) fn in_double(&self, exponent: i64) -> DoubleBall {
+        let excess = (self.significand.bits() - LEADING_BITS).max(0);
+        let unit = self.exponent + exponent + excess;
+        let radius = self.radius.shifted(exponent);
+        if self.significand.is_zero() || unit < -REACH {
+            let size = self.significand.upper_bound(self.exponent + exponent);
+            return DoubleBall { high: 0.0, low: 0.0, radius: radius.plus(size).to_f64() };
+        }
+        if unit > REACH {
+            return DoubleBall { high: 0.0, low: 0.0, radius: f64::INFINITY };
+        }
+        let cut = if excess > 0 { UpperBound::power_of_two(unit) } else { UpperBound::ZERO };
+        let DoubleBall { high, low, radius: rest } = DoubleBall::of_units(self.significand.leading(excess), 1.0);
+        let (scale, radius) = (power_of_two(unit as i32), radius.plus(cut).to_f64());
+        DoubleBall { high: high * scale, low: low * scale, radius: (radius + rest * scale) * INFLATION }
     }
 
     /// Cuts a result to its bits.
@@ -296,4 +326,88 @@ fn quotient(a: &WideBall, b: &WideBall, bits: u32) -> Option<WideBall> {
         radius = radius.plus(a.radius.plus(size.times(b.radius)).over(floor(&least, unit))?);
     }
     Some(WideBall::cut(Uncut::Long(significand), exponent, radius, bits))
+}
+
+#[cfg(test)]
+mod unit_tests {
+    use super::*;
+    use crate::number::UNIT_ROUNDOFF;
+    use proptest::prelude::*;
+
+    /// Significands of up to 320 bits, and radii from far below their last bit to far above the first.
+    fn balls() -> impl Strategy<Value = WideBall> {
+        let significand = (any::<[u64; 5]>(), 0usize..320, any::<bool>()).prop_map(|(digits, bits, negative)| {
+            let size = digits.iter().fold(BigInt::zero(), |sum, digit| (sum << 64) + digit) >> bits;
+            if negative { -size } else { size }
+        });
+        let radius = prop_oneof![Just(None), (-1_100i64..900).prop_map(Some)];
+        (significand, -1_000i64..600, radius).prop_map(|(significand, exponent, radius)| {
+            let exactly = WideBall::exactly(significand, exponent, 1_024);
+            radius.map_or(exactly.clone(), |top| exactly.widened(UpperBound::power_of_two(top)))
+        })
+    }
+
+    fn size_of(bound: UpperBound) -> BigRational {
+        bound.to_rational()
+    }
+
+    /// What is cut of the middle is in the radius, where nothing else is.
+    #[test]
+    fn a_unit_that_is_cut_is_enclosed() {
+        let power = |bits: u32| BigInt::from(1) << bits;
+        let one = BigInt::from(1);
+        for value in [power(125) + &one, power(200) + &one, power(300) + &one, power(300) - &one] {
+            for value in [value.clone(), -value] {
+                let ball = WideBall::exactly(value.clone(), 0, 1_024).in_double(0);
+                let off = (Field::middle(&ball) - BigRational::from_integer(value.clone())).abs();
+                assert!(
+                    off.is_positive() && off <= size_of(Field::radius(&ball).expect("finite")),
+                    "{value}: {ball:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_that_knows_nothing_is_refused() {
+        let (nothing, infinite) = (f64::NAN, f64::INFINITY);
+        for (high, low, radius) in [
+            (1.0, 0.0, nothing),
+            (1.0, 0.0, infinite),
+            (infinite, nothing, 0.0),
+            (nothing, 0.0, 0.0),
+            (1.0, nothing, 0.0),
+        ] {
+            let ball = DoubleBall { high, low, radius };
+            assert!(WideBall::of_double(&ball, 0, 128).is_none(), "{ball:?}");
+        }
+        let beyond = WideBall::exactly(BigInt::from(1), REACH + 1, 128).in_double(0);
+        assert!(WideBall::of_double(&beyond, 0, 128).is_none(), "{beyond:?}");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4_000))]
+
+        #[test]
+        fn two_f64_enclose_what_a_ball_does_and_back(ball in balls(), shift in -300i64..300) {
+            let double = ball.in_double(shift);
+            let scale = dyadic(1.into(), shift);
+            let (middle, radius) = (ball.middle() * &scale, size_of(ball.spread()) * &scale);
+            prop_assert!(double.low.abs() <= double.high.abs() * UNIT_ROUNDOFF, "{double:?}");
+            if let Some(of_double) = Field::radius(&double) {
+                let apart = (Field::middle(&double) - &middle).abs();
+                prop_assert!(apart.clone() + &radius <= size_of(of_double), "{ball:?} {shift} {double:?}");
+                // And little more: 2^-100 of the middle, and what is below all f64.
+                let below = dyadic(1.into(), LEADING_BITS + 1 - REACH);
+                let most = &radius * dyadic(1_048_577.into(), -20) + middle.abs() * dyadic(1.into(), -100) + below;
+                prop_assert!(size_of(of_double) <= most, "{ball:?} {shift} {double:?}");
+                let back = WideBall::of_double(&double, -shift, 64).expect("finite");
+                let apart = (back.middle() - Field::middle(&double) / &scale).abs();
+                prop_assert!(apart + size_of(of_double) / &scale <= size_of(back.spread()), "{double:?} {shift} {back:?}");
+            } else {
+                prop_assert!(middle.abs().max(radius) > dyadic(1.into(), REACH), "{ball:?} {shift}");
+                prop_assert!(WideBall::of_double(&double, -shift, 64).is_none());
+            }
+        }
+    }
 }

@@ -38,6 +38,11 @@ pub(crate) trait Residual<S> {
     fn right(&self) -> Vec<S>;
     /// `F − K·x`.
     fn residual(&self, x: &[S]) -> Vec<S>;
+    /// The residual of `to` from that of `from`, less by K times the change, in cheaper numbers than those of the type: no less an enclosure, but not as
+    /// close a one where the change is not small. `None` where no cheaper numbers serve.
+    fn after_change(&self, _residual: &[S], _from_to: [&[S]; 2]) -> Option<Vec<S>> {
+        None
+    }
 }
 
 struct Assembled<'s, S>(&'s BlockSparseSystem<S>);
@@ -129,10 +134,15 @@ impl Correctable for WideBall {
     }
 }
 
+/// Residuals that are found one from another may be in doubt by a `2^-DOUBT_SHIFT`th more than the first, which is calculated by itself.
+const DOUBT_SHIFT: i64 = 3;
+
 /// What a residual says: the norms of its middles and of its radii, scaled by D.
 struct Norms {
     middle: UpperBound,
     radius: UpperBound,
+    /// The most that the radius of a residual may be that is found from this one.
+    most_radius: UpperBound,
 }
 
 fn norms<S: Correctable>(residual: &[S], scale: &[i32]) -> Option<Norms> {
@@ -144,7 +154,27 @@ fn norms<S: Correctable>(residual: &[S], scale: &[i32]) -> Option<Norms> {
         }
         Some(sum.root())
     };
-    Some(Norms { middle: norm(&S::middle_size)?, radius: norm(&S::radius)? })
+    let radius = norm(&S::radius)?;
+    let most_radius = radius.plus(radius.shifted(-DOUBT_SHIFT));
+    Some(Norms { middle: norm(&S::middle_size)?, radius, most_radius })
+}
+
+/// The residual of a corrected solution, and what it says: from that before the correction where this adds little to its doubt.
+fn next_residual<S: Correctable>(
+    system: &dyn Residual<S>,
+    (x, residual, norm): (&[S], &[S], &Norms),
+    better: &[S],
+    scale: &[i32],
+) -> Option<(Vec<S>, Norms)> {
+    let close = system.after_change(residual, [x, better]).and_then(|next| {
+        let next_norm = Norms { most_radius: norm.most_radius, ..norms(&next, scale)? };
+        (next_norm.radius <= norm.most_radius).then_some((next, next_norm))
+    });
+    close.or_else(|| {
+        let next = system.residual(better);
+        let next_norm = norms(&next, scale)?;
+        Some((next, next_norm))
+    })
 }
 
 /// Encloses the solution: corrects it until the residual is as small as its own doubt, then adds the bound
@@ -184,8 +214,7 @@ pub(crate) fn refine<S: Correctable>(
             .zip(scale)
             .map(|((correction, x), &s)| x.corrected(correction, top + i64::from(s), bits))
             .collect();
-        let next = system.residual(&better);
-        let Some(next_norm) = norms(&next, scale) else { break };
+        let Some((next, next_norm)) = next_residual(system, (&x, &residual, &norm), &better, scale) else { break };
         let helped = next_norm.middle.plus(next_norm.radius) < norm.middle.plus(norm.radius);
         // A pass that does not halve the residual will not do better the next time.
         let slow = next_norm.middle.shifted(1) > norm.middle;
@@ -204,6 +233,9 @@ pub(crate) fn refine<S: Correctable>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_traits::Signed;
+    use rockproof_model::Ring;
+    use std::cell::Cell;
 
     /// The radius after the widening holds the old one and what was added, and little more.
     fn widens<S: Correctable>(ball: &S, more: i64) {
@@ -215,6 +247,66 @@ mod tests {
         let most = &before + &before / num_bigint::BigInt::from(1 << 20);
         assert!(after <= most, "{after} for {before}");
         assert_eq!(widened.middle(), ball.middle());
+    }
+
+    /// `3·x = 1` in 128 bits, and what its solution asks for.
+    struct Third {
+        /// The doubt that a residual found from the one before gets.
+        more: UpperBound,
+        whole: Cell<u32>,
+        close: Cell<u32>,
+    }
+
+    impl Residual<WideBall> for Third {
+        fn right(&self) -> Vec<WideBall> {
+            vec![WideBall::of_f64(1.0, 128).widened(UpperBound::power_of_two(-124))]
+        }
+        fn residual(&self, x: &[WideBall]) -> Vec<WideBall> {
+            self.whole.set(self.whole.get() + 1);
+            vec![self.right()[0].minus(&x[0].times(&WideBall::from_i32(3)))]
+        }
+        fn after_change(&self, residual: &[WideBall], [from, to]: [&[WideBall]; 2]) -> Option<Vec<WideBall>> {
+            self.close.set(self.close.get() + 1);
+            let change = to[0].minus(&from[0]).times(&WideBall::from_i32(3));
+            Some(vec![residual[0].minus(&change).widened(self.more)])
+        }
+    }
+
+    impl Support for Third {
+        fn scale(&self) -> &[i32] {
+            &[0]
+        }
+        fn least_eigenvalue(&self) -> f64 {
+            3.0
+        }
+        fn approximate(&self, right: Vec<f64>) -> Vec<f64> {
+            // Not quite, so that it takes some passes.
+            vec![right[0] * (1.0 / 3.0 + 1e-6)]
+        }
+    }
+
+    #[test]
+    fn a_residual_is_found_from_the_one_before_where_that_adds_little_doubt() {
+        for more in [-124, -126, -127, -200] {
+            let third = Third { more: UpperBound::power_of_two(more), whole: Cell::new(0), close: Cell::new(0) };
+            let start = Some(vec![WideBall::of_f64(0.3, 128)]);
+            let x = refine(&third, &third, start, 128).expect("a solution");
+            let passes = third.close.get();
+            assert!(passes > 3, "{passes} passes with 2^{more}");
+            let by_itself = match more {
+                -200 => 0,
+                // An eighth of the doubt is added once, and not once more.
+                -127 => passes / 2,
+                _ => passes,
+            };
+            assert_eq!(third.whole.get(), 1 + by_itself, "2^{more}, {passes} passes");
+            let off = (x[0].middle() - BigRational::new(1.into(), 3.into())).abs();
+            let radius = x[0].radius().expect("a radius").to_rational();
+            assert!(
+                off <= radius && radius < BigRational::new(1.into(), num_bigint::BigInt::from(1) << 122),
+                "{radius}"
+            );
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod float_stiffness;
 mod free_motion;
 mod residual;
+mod rounded;
 
 use super::approximate::Approximate;
 use super::attempt_solve::AttemptSolve;
@@ -18,6 +19,7 @@ use crate::number::Ball;
 use crate::solve::{BlockSparseSystem, Factor, Support, eliminate, fraction_free_solve, refine};
 pub(crate) use float_stiffness::stiffness;
 use num_rational::BigRational;
+pub(crate) use rounded::Corrected;
 
 /// A contact that bears on a system.
 struct ClosedContact<'c, S> {
@@ -145,7 +147,7 @@ impl StepNumber for WideBall {
         start: Option<Vec<Self>>,
     ) -> Option<Vec<Self>> {
         match support {
-            Some(support) => refine(system, support, start, system.values.bits),
+            Some(support) => refine(&Corrected::new(system), support, start, system.values.bits),
             None => eliminate(&system.assembled()),
         }
     }

@@ -1,10 +1,11 @@
-//! Integers as significands: up to 128 bits in place, longer ones on the heap.
+//! Integers as significands: up to 256 bits in place, longer ones on the heap.
 
 use crate::field::UpperBound;
 use num_bigint::BigInt;
-use num_traits::Signed;
+use num_traits::{Signed, ToPrimitive};
 use rockproof_model::Sign;
 use rockproof_model::ring::ExactRing;
+use ruint::Uint;
 use std::borrow::Cow;
 
 /// An integer.
@@ -12,6 +13,8 @@ use std::borrow::Cow;
 pub(super) enum Significand {
     /// One of up to 128 bits; zero is not negative.
     Short { negative: bool, size: u128 },
+    /// One of 129 to 256 bits.
+    Middle { negative: bool, size: U256 },
     /// A longer one.
     Long(BigInt),
 }
@@ -20,9 +23,14 @@ pub(super) enum Significand {
 pub(super) enum Uncut {
     /// `±(high · 2¹²⁸ + low)`.
     Double { negative: bool, high: u128, low: u128 },
+    /// One of up to 512 bits.
+    Quadruple { negative: bool, size: U512 },
     /// One that may be longer.
     Long(BigInt),
 }
+
+type U256 = Uint<256, 4>;
+type U512 = Uint<512, 8>;
 
 const WIDTH: u32 = u128::BITS;
 
@@ -33,6 +41,14 @@ impl Significand {
         Significand::Short { negative: negative && size != 0, size }
     }
 
+    /// A size of up to 256 bits in the form that it has.
+    fn in_place(negative: bool, size: U256) -> Significand {
+        match u128::try_from(size) {
+            Ok(size) => Significand::short(negative, size),
+            Err(_) => Significand::Middle { negative, size },
+        }
+    }
+
     /// As `num_bigint` has it.
     pub(super) fn integer(&self) -> Cow<'_, BigInt> {
         match self {
@@ -40,6 +56,7 @@ impl Significand {
                 let size = BigInt::from(*size);
                 Cow::Owned(if *negative { -size } else { size })
             }
+            Significand::Middle { negative, size } => Cow::Owned(integer(*negative, size.as_le_slice())),
             Significand::Long(value) => Cow::Borrowed(value),
         }
     }
@@ -53,6 +70,13 @@ impl Significand {
             Significand::Short { size: 0, .. } => Sign::Zero,
             Significand::Short { negative: true, .. } => Sign::Negative,
             Significand::Short { .. } => Sign::Positive,
+            Significand::Middle { negative, .. } => {
+                if *negative {
+                    Sign::Negative
+                } else {
+                    Sign::Positive
+                }
+            }
             Significand::Long(value) => ExactRing::sign(value),
         }
     }
@@ -61,6 +85,7 @@ impl Significand {
     pub(super) fn bits(&self) -> i64 {
         match self {
             Significand::Short { size, .. } => i64::from(WIDTH - size.leading_zeros()),
+            Significand::Middle { size, .. } => size.bit_len() as i64,
             Significand::Long(value) => value.bits() as i64,
         }
     }
@@ -68,7 +93,26 @@ impl Significand {
     pub(super) fn negated(&self) -> Significand {
         match self {
             Significand::Short { negative, size } => Significand::short(!negative, *size),
+            Significand::Middle { negative, size } => Significand::Middle { negative: !negative, size: *size },
             Significand::Long(value) => Significand::Long(-value),
+        }
+    }
+
+    /// It without its last bits, so many: less than a unit of what stays away. That must be less than 127 bits.
+    pub(super) fn leading(&self, excess: i64) -> i128 {
+        match self {
+            Significand::Short { negative, size } => {
+                let size = (size >> excess) as i128;
+                if *negative { -size } else { size }
+            }
+            Significand::Middle { negative, size } => {
+                let size = (*size >> excess as usize).wrapping_to::<u128>() as i128;
+                if *negative { -size } else { size }
+            }
+            Significand::Long(value) => {
+                debug_assert!(value.bits() as i64 - excess < 127, "too many bits stay");
+                (value >> excess as usize).to_i128().unwrap_or(0)
+            }
         }
     }
 
@@ -76,6 +120,12 @@ impl Significand {
     pub(super) fn upper_bound(&self, exponent: i64) -> UpperBound {
         match self {
             Significand::Short { size, .. } => UpperBound::of_short(*size, exponent),
+            Significand::Middle { size, .. } => {
+                let excess = size.bit_len() - WIDTH as usize;
+                let is_cut = size.trailing_zeros() < excess;
+                let leading = (*size >> excess).wrapping_to::<u128>() | u128::from(is_cut);
+                UpperBound::of_short(leading, exponent + excess as i64)
+            }
             Significand::Long(value) => UpperBound::of_integer(value, exponent),
         }
     }
@@ -86,7 +136,22 @@ impl Significand {
                 let [high, low] = product(*one, *two);
                 Uncut::Double { negative: a != b, high, low }
             }
-            _ => Uncut::Long(self.integer().as_ref() * other.integer().as_ref()),
+            (Significand::Long(_), _) | (_, Significand::Long(_)) => {
+                Uncut::Long(self.integer().as_ref() * other.integer().as_ref())
+            }
+            _ => {
+                let [(a, one), (b, two)] = [self, other].map(Significand::parts);
+                Uncut::Quadruple { negative: a != b, size: one.widening_mul(two) }
+            }
+        }
+    }
+
+    /// The sign and size of one that is not long.
+    fn parts(&self) -> (bool, U256) {
+        match *self {
+            Significand::Short { negative, size } => (negative, U256::from(size)),
+            Significand::Middle { negative, size } => (negative, size),
+            Significand::Long(_) => (false, U256::ZERO),
         }
     }
 
@@ -94,6 +159,9 @@ impl Significand {
     pub(super) fn sum(&self, shift: i64, other: &Significand, other_shift: i64, negate: bool) -> Uncut {
         if let (Some(one), Some(two)) = (self.moved(shift), other.moved(other_shift)) {
             return Uncut::sum(one, (two.0 != negate, two.1));
+        }
+        if let (Some(one), Some(two)) = (self.moved_far(shift), other.moved_far(other_shift)) {
+            return Uncut::sum_of_quadruples(one, (two.0 != negate, two.1));
         }
         let moved = |value: &Significand, shift: i64| {
             let shift = if value.is_zero() { 0 } else { shift };
@@ -114,12 +182,30 @@ impl Significand {
             _ => None,
         }
     }
+
+    /// The same, where that is below 2⁵¹¹.
+    fn moved_far(&self, shift: i64) -> Option<(bool, U512)> {
+        if let Significand::Long(_) = self {
+            return None;
+        }
+        let (negative, size) = self.parts();
+        if size.is_zero() {
+            return Some((false, U512::ZERO));
+        }
+        let fits = shift < i64::from(4 * WIDTH) - self.bits();
+        fits.then(|| (negative, size.to::<U512>() << shift as usize))
+    }
 }
 
 impl From<BigInt> for Significand {
     fn from(value: BigInt) -> Significand {
         match u128::try_from(value.magnitude()) {
             Ok(size) => Significand::short(value.is_negative(), size),
+            Err(_) if value.bits() <= u64::from(2 * WIDTH) => {
+                let mut limbs = [0; 4];
+                limbs.iter_mut().zip(value.iter_u64_digits()).for_each(|(limb, digit)| *limb = digit);
+                Significand::Middle { negative: value.is_negative(), size: U256::from_limbs(limbs) }
+            }
             Err(_) => Significand::Long(value),
         }
     }
@@ -137,11 +223,22 @@ impl Uncut {
         Uncut::Double { negative, high: large[0] - small[0] - u128::from(borrow), low }
     }
 
+    /// Of two signed sizes below 2⁵¹¹.
+    fn sum_of_quadruples((a, one): (bool, U512), (b, two): (bool, U512)) -> Uncut {
+        let (negative, size) = match (a == b, one >= two) {
+            (true, _) => (a, one + two),
+            (false, true) => (a, one - two),
+            (false, false) => (b, two - one),
+        };
+        Uncut::Quadruple { negative, size }
+    }
+
     /// Bits of its size.
     pub(super) fn bits(&self) -> i64 {
         match self {
             Uncut::Double { high: 0, low, .. } => i64::from(WIDTH - low.leading_zeros()),
             Uncut::Double { high, .. } => i64::from(2 * WIDTH - high.leading_zeros()),
+            Uncut::Quadruple { size, .. } => size.bit_len() as i64,
             Uncut::Long(value) => value.bits() as i64,
         }
     }
@@ -152,6 +249,7 @@ impl Uncut {
             Uncut::Double { high: 0, low: 0, .. } => false,
             Uncut::Double { high, low: 0, .. } => i64::from(WIDTH + high.trailing_zeros()) < bits,
             Uncut::Double { low, .. } => i64::from(low.trailing_zeros()) < bits,
+            Uncut::Quadruple { size, .. } => !size.is_zero() && (size.trailing_zeros() as i64) < bits,
             Uncut::Long(ref value) => value.trailing_zeros().is_some_and(|zeros| (zeros as i64) < bits),
         }
     }
@@ -171,12 +269,28 @@ impl Uncut {
             {
                 return Significand::short(negative, size);
             }
-            let size = (BigInt::from(high) << WIDTH) + low + u128::from(rounds_up);
-            return Significand::from(if negative { -size } else { size });
+            let size = (U256::from(high) << WIDTH as usize) | U256::from(low);
+            // Below 2²⁵⁵ where it rounds up, as here.
+            return Significand::in_place(negative, size + U256::from(u64::from(rounds_up)));
+        }
+        if let Uncut::Quadruple { negative, size } = self {
+            let rounds_up = negative && self.ends_in_ones(bits);
+            let shifted = if bits < i64::from(4 * WIDTH) { size >> bits as usize } else { U512::ZERO };
+            // At most 2⁵¹¹ where it rounds up: a bit or more is gone.
+            let size = shifted + U512::from(u64::from(rounds_up));
+            return match size.bit_len() {
+                0..=256 => Significand::in_place(negative, size.wrapping_to()),
+                _ => Significand::from(integer(negative, size.as_le_slice())),
+            };
         }
         let Uncut::Long(value) = self else { return Significand::ZERO };
         Significand::from(value >> bits as usize)
     }
+}
+
+/// An integer by its sign and the bytes of its size, the last first.
+fn integer(negative: bool, size: &[u8]) -> BigInt {
+    BigInt::from_bytes_le(if negative { num_bigint::Sign::Minus } else { num_bigint::Sign::Plus }, size)
 }
 
 /// The product of two in two halves, the upper one first.
@@ -196,7 +310,7 @@ mod tests {
     use num_traits::Zero;
     use proptest::prelude::*;
 
-    /// Integers of up to 140 bits, many with long runs of equal bits, and the least and largest of each kind.
+    /// Integers of up to 300 bits, many with long runs of equal bits, and the least and largest of each kind.
     fn integers() -> impl Strategy<Value = BigInt> {
         let size = prop_oneof![
             any::<u128>(),
@@ -207,8 +321,11 @@ mod tests {
             Just(1),
             Just(u128::MAX),
         ];
-        (size, any::<bool>(), prop_oneof![Just(0u32), Just(0), Just(0), 1u32..12]).prop_map(|(size, negative, more)| {
-            let size = BigInt::from(size) << more;
+        let more = prop_oneof![Just(0u32), Just(0), Just(0), 1u32..12, 100u32..172, Just(128)];
+        (size, any::<bool>(), more, any::<u128>(), any::<bool>()).prop_map(|(size, negative, more, last, is_full)| {
+            // As many last bits as there are, random ones or ones alone.
+            let last = if is_full { u128::MAX } else { last };
+            let size = (BigInt::from(size) << more) + if more == 128 { BigInt::from(last) } else { BigInt::ZERO };
             if negative { -size } else { size }
         })
     }
@@ -219,6 +336,7 @@ mod tests {
                 let size = (BigInt::from(high) << WIDTH) + low;
                 if negative { -size } else { size }
             }
+            Uncut::Quadruple { negative, size } => integer(negative, size.as_le_slice()),
             Uncut::Long(value) => value,
         }
     }
@@ -226,7 +344,8 @@ mod tests {
     fn is_canonical(value: &Significand) -> bool {
         match value {
             Significand::Short { negative, size } => !(*negative && *size == 0),
-            Significand::Long(value) => value.bits() > u64::from(WIDTH),
+            Significand::Middle { size, .. } => size.bit_len() > WIDTH as usize,
+            Significand::Long(value) => value.bits() > u64::from(2 * WIDTH),
         }
     }
 
@@ -235,7 +354,7 @@ mod tests {
 
         #[test]
         fn what_is_in_place_is_what_is_on_the_heap(
-            a in integers(), b in integers(), up in 0i64..150, side in any::<bool>(), negate in any::<bool>(), cut in 0i64..280
+            a in integers(), b in integers(), up in 0i64..450, side in any::<bool>(), negate in any::<bool>(), cut in 0i64..560
         ) {
             let [one, two] = [&a, &b].map(|value| Significand::from(value.clone()));
             prop_assert!(is_canonical(&one) && is_canonical(&two));
@@ -274,12 +393,15 @@ mod tests {
 
     /// Rounding down what is negative may take a bit more than there is room for.
     #[test]
-    fn a_carry_out_of_what_is_in_place_goes_to_the_heap() {
-        let most = Significand::short(true, u128::MAX);
-        let twice = most.sum(1, &Significand::short(true, 1), 0, false);
-        let found = twice.without(1);
-        assert!(matches!(found, Significand::Long(_)));
-        let expected: BigInt = BigInt::from(-1) << 128;
-        assert_eq!(found.integer().into_owned(), expected);
+    fn a_carry_makes_a_longer_integer() {
+        let most = |bits: u32| BigInt::from(1) - (BigInt::from(1) << bits);
+        for bits in [128, 256] {
+            let twice = Significand::from(most(bits)).sum(1, &Significand::short(true, 1), 0, false);
+            let found = twice.without(1);
+            assert!(is_canonical(&found));
+            assert_eq!(matches!(found, Significand::Long(_)), bits == 256);
+            let expected: BigInt = BigInt::from(-1) << bits;
+            assert_eq!(found.integer().into_owned(), expected);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Blocks that fall together, touching: told from others, solved without a matrix, and decided by fractions before balls of many bits.
 
+mod corrections;
 mod islands;
 
 use super::super::answer::StepModel;
@@ -7,7 +8,7 @@ use super::super::decisions::{FrictionSettled, NextMode};
 use super::super::islands::Island;
 use super::super::open_close_iteration::first_time_step;
 use super::super::prepare::PreparedStep;
-use super::super::state::State;
+use super::super::state::{ContactMemory, State};
 use super::super::system::System;
 use super::super::transfer::StartingContact;
 use super::*;
@@ -71,6 +72,17 @@ fn with_properties(
     bodies: &[Body],
     look: impl FnOnce(&Attempt<'_>, Cascade<'_>),
 ) {
+    with_memory(change, blocks, bodies, |_| None, look);
+}
+
+/// The same where a step before left something of contacts.
+fn with_memory(
+    change: impl FnOnce(&mut JointProperties),
+    blocks: &[Block],
+    bodies: &[Body],
+    memory: impl Fn(&StartingContact) -> Option<ContactMemory>,
+    look: impl FnOnce(&Attempt<'_>, Cascade<'_>),
+) {
     let mut simulation =
         Simulation { gravity: Vec3::new(Number::ZERO, Number::ZERO, number(-10, 1)), ..Simulation::default() };
     simulation.joints.other.normal_stiffness = Some(number(1_000_000_000, 1));
@@ -78,7 +90,9 @@ fn with_properties(
     let shapes: Vec<&Block> = blocks.iter().collect();
     let tolerances = ToleranceSpec::default().derive(&shapes, Precision::F64).unwrap();
     let model = StepModel { shapes: &shapes, bodies, simulation: &simulation, tolerances: &tolerances };
-    let state = State::initial(&model);
+    let mut state = State::initial(&model);
+    let first = PreparedStep::new(&model, &state).unwrap();
+    state.contacts = first.attempt(first_time_step(&first)).started.iter().filter_map(memory).collect();
     let prepared = PreparedStep::new(&model, &state).unwrap();
     let attempt = prepared.attempt(first_time_step(&prepared));
     let mut cascade = Cascade::new(&attempt, &prepared.layout, StepLevelCounts::default());
