@@ -14,7 +14,7 @@ use crate::table::grouped;
 use anyhow::Context;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use rockproof_differential::lockstep::stepping::{StateFileDescription, differences};
+use rockproof_differential::lockstep::stepping::{STEPS_WITHOUT_CONTACTS, StateFileDescription, differences};
 use rockproof_differential::lockstep::trajectory::default_grid;
 use rockproof_differential::lockstep::{
     ComparedLinks, FreeStepping, Lockstep, LockstepStepping, Trajectory, free, table,
@@ -662,6 +662,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
         json!({
             "steps": steps,
             "steps_differing": count("steps_differing"),
+            STEPS_WITHOUT_CONTACTS: count(STEPS_WITHOUT_CONTACTS),
             "differences": by_cause.collect::<Map<String, Value>>(),
             "undecided": count("undecided"),
             "oracle_seconds": count("oracle_microseconds") as f64 / 1e6,
@@ -827,7 +828,8 @@ fn write_lockstep(out: &mut String, counts: &BTreeMap<String, u64>) -> std::fmt:
     let by_cause: Vec<String> =
         table::CAUSES.iter().map(|&cause| format!("{} {cause}", grouped(differences(counts, cause)))).collect();
     let all = counted(*steps, "step differs", "steps differ");
-    writeln!(out, "lockstep         {} of {all}", grouped(count("steps_differing")))?;
+    let nothing = if count(STEPS_WITHOUT_CONTACTS) == *steps { "; no blocks touched in any of them" } else { "" };
+    writeln!(out, "lockstep         {} of {all}{nothing}", grouped(count("steps_differing")))?;
     writeln!(out, "differences      {}", by_cause.join(", "))?;
     writeln!(out, "undecided        {} of the oracle", counted(count("undecided"), "decision", "decisions"))?;
     let ratio = count("oracle_microseconds") as f64 / count("stepper_microseconds").max(1) as f64;

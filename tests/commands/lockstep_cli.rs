@@ -96,6 +96,22 @@ fn lockstep_writes_the_documented_tables_and_goes_on_to_the_same_bytes() {
 }
 
 #[test]
+fn a_lockstep_in_which_nothing_touches_says_so() {
+    let place = WorkDir::new();
+    let flying = SLIDER
+        .replace("min = [0.1, 0.1, 0], max = [1.1, 1.1, 1]", "min = [0.1, 0.1, 5], max = [1.1, 1.1, 6]")
+        .replace("at = [0.6, 0.6, 0.5]", "at = [0.6, 0.6, 5.5]");
+    place.0.file("flying.toml", &flying);
+    for (scene, told) in [("flying.toml", true), ("slider.toml", false)] {
+        let run = ["simulate", scene, "--out", scene.trim_end_matches(".toml"), "--lockstep", "--steps", "2"];
+        let (code, out, err) = place.0.run(&run);
+        assert_eq!(code, 0, "{out}{err}");
+        let line = out.lines().find(|line| line.starts_with("lockstep  ")).expect("a line");
+        assert_eq!(line.ends_with("2 steps differ; no blocks touched in any of them"), told, "{line}");
+    }
+}
+
+#[test]
 fn state_files_replay() {
     let place = WorkDir::new();
     // At the incline's edge: the ideal tolerances have crossing edges where territories have vertices.

@@ -3,6 +3,7 @@
 use super::load::CampaignRun;
 use super::table::{counted, grouped};
 use super::verdict::{MIN_PAIRS, Severity, VerdictLine, few_pairs};
+use rockproof_differential::agreement::AgreementCounts;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::EngineCounts;
 use rockproof_differential::finding::{Cause, FAR_FROM_TIE};
@@ -99,6 +100,7 @@ pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<VerdictLine> {
                 changed.push(VerdictLine { severity: Severity::Bad, text: format!("{name}: {note}.") });
             }
             let mut line = own.line(&name, sums.pairs - sums.silent, campaign.run.pairs);
+            line.text += &unmendable_note(&own, &sums);
             let detail = counts.map(|counts| counts.detail).unwrap_or_default();
             if let Some(note) = detail.incomplete_note() {
                 line.text += &format!(" Its answers have {note}: what is not given is not compared.");
@@ -117,6 +119,18 @@ pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<VerdictLine> {
         (place(line.severity), std::cmp::Reverse(own.far + own.inaccurate + own.unanswered))
     });
     found.into_iter().map(|(_, line)| line).chain(changed).collect()
+}
+
+/// Why an engine without a finding of its own is not always exactly right.
+fn unmendable_note(own: &EngineFindings, sums: &AgreementCounts) -> String {
+    let differ = sums.pairs - sums.silent - sums.agreeing;
+    if own.findings > 0 || differ == 0 {
+        return String::new();
+    }
+    let these = counted(differ, "comparison", "comparisons");
+    format!(
+        " What it differs from the exact answer in ({these}) is due to the rounding of the input, which no engine can mend."
+    )
 }
 
 /// Counts of findings by external engine.
@@ -155,6 +169,15 @@ mod tests {
             });
         }
         own
+    }
+
+    #[test]
+    fn what_no_engine_can_mend_is_told_where_nothing_else_is() {
+        let sums = |agreeing| AgreementCounts { pairs: 10, silent: 1, agreeing, ..AgreementCounts::default() };
+        assert_eq!(unmendable_note(&own(&[]), &sums(9)), "");
+        assert_eq!(unmendable_note(&own(&[(AnswerChange::Missing, None)]), &sums(7)), "");
+        let note = unmendable_note(&own(&[]), &sums(7));
+        assert!(note.contains("(2 comparisons) is due to the rounding of the input"), "{note}");
     }
 
     #[test]

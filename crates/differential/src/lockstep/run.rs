@@ -72,6 +72,12 @@ impl ComparedStep {
         self.differences.iter().filter(|attributed| attributed.cause == cause).count()
     }
 
+    /// Whether neither side found a contact, so that nothing but falling was compared.
+    pub fn has_no_contacts(&self) -> bool {
+        let sides = [&self.stepper, &self.oracle];
+        sides.into_iter().flatten().all(|decisions| decisions.contacts.is_empty())
+    }
+
     /// Whether the stepper differs from its exact counterpart.
     pub fn differs(&self) -> bool {
         self.count(Cause::Arithmetic) + self.count(Cause::Defect) > 0

@@ -36,6 +36,9 @@ pub struct StateFileDescription {
     pub stop_at_first: bool,
 }
 
+/// The name of how many steps had no contact, by stepper or oracle.
+pub const STEPS_WITHOUT_CONTACTS: &str = "steps_without_contacts";
+
 /// The names of what adds up over a run, by cause: differences, and state files.
 const COUNTS: [[&str; 2]; 4] = [
     ["tolerance", "states_tolerance"],
@@ -65,6 +68,7 @@ impl<R: Solve, M: StepRules> LockstepStepping<R, M> {
         let mut counts = vec![
             ("steps", 1),
             ("steps_differing", u64::from(compared.differs())),
+            (STEPS_WITHOUT_CONTACTS, u64::from(compared.has_no_contacts())),
             ("undecided", compared.undecided),
             ("stepper_microseconds", compared.took[0].as_micros() as u64),
             ("oracle_microseconds", compared.took[1].as_micros() as u64),
