@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 pub(crate) fn run() -> &'static Path {
     static DIR: OnceLock<tempfile::TempDir> = OnceLock::new();
     let dir = DIR.get_or_init(|| {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         let out = dir.path().join("small");
         let out = out.to_str().expect("text");
         let pairs = ["--pairs", "256", "--tolerances", "auto,shi,dyadic", "--out", out];

@@ -12,7 +12,7 @@ pub(crate) const PAIRS: &str = "1344";
 pub(crate) fn whole() -> (PathBuf, &'static str) {
     static RUN: OnceLock<(tempfile::TempDir, String)> = OnceLock::new();
     let (dir, document) = RUN.get_or_init(|| {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         let (code, document, err) = run(&dir.path().join("whole"), &["--threads", "2", "--format", "json"]);
         assert_eq!(code, 0, "{err}");
         (dir, document)

@@ -136,7 +136,7 @@ fn results(dir: &Path) -> BTreeMap<String, Vec<u8>> {
 #[ignore = "ten seconds; .ci/run runs it"]
 fn the_same_bytes_however_it_runs_and_the_same_classification_without() {
     let config = config(6);
-    let dirs = [(); 4].map(|()| tempfile::tempdir().unwrap());
+    let dirs = [(); 4].map(|()| crate::place::folder());
     let [one, two, resumed, without] = dirs.each_ref().map(|dir| dir.path());
     run(one, &config, Start::Fresh, 1, usize::MAX);
     let expected = results(one);

@@ -8,6 +8,8 @@ mod bricks;
 mod mistaken_engine;
 #[path = "../../crates/stepper/tests/support/mistakes.rs"]
 mod mistakes;
+#[path = "../support/place.rs"]
+mod place;
 #[path = "../support/side_by_side_step.rs"]
 mod side_by_side_step;
 #[path = "../../crates/stepper/tests/support/step_mistakes.rs"]

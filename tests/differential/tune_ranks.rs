@@ -50,7 +50,7 @@ impl Model {
 
     /// What one process writes.
     fn whole(self) -> Written {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         let evaluator = self.unaudited().audited();
         let mut search = Search::new(&evaluator, &ToleranceSpec::default(), SEED).expect("a search");
         let mut record = SearchRecord::open(dir.path(), &self.identity(), Start::Fresh, &mut search).expect("a record");
@@ -133,7 +133,7 @@ fn any_number_of_ranks_writes_what_one_process_writes() {
     for (model, counts) in [(CHANGING, &[1, 2, 3, 5][..]), (OVERLAPPING, &[3])] {
         let whole = model.whole();
         for &ranks in counts {
-            let dir = tempfile::tempdir().expect("a directory");
+            let dir = crate::place::folder();
             let found = run(model, dir.path(), ranks, Trouble::default()).expect("searches");
             assert!(found.as_ref() == Some(&whole), "{}, {ranks} ranks: {found:?} is not {whole:?}", model.file);
         }
@@ -143,7 +143,7 @@ fn any_number_of_ranks_writes_what_one_process_writes() {
 #[test]
 fn what_is_stopped_goes_on_with_other_ranks_to_the_same_bytes() {
     let whole = CHANGING.whole();
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     for (stop_after, ranks) in [(1, 3), (6, 2), (7, 4), (0, 2)] {
         let found = run(CHANGING, dir.path(), ranks, Trouble { stop_after, ..Trouble::default() }).expect("searches");
         let [table, ..] = found.as_ref().expect("something was tried");
@@ -152,14 +152,14 @@ fn what_is_stopped_goes_on_with_other_ranks_to_the_same_bytes() {
         assert_eq!(found.as_ref() == Some(&whole), stop_after == 0, "stopped after {stop_after}");
     }
     // Whom a worker tells that it was told to stop.
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let found = run(CHANGING, dir.path(), 3, Trouble { stopped_worker: true, ..Trouble::default() }).expect("stops");
     assert!(found.is_none_or(|[table, ..]| table.lines().count() < whole[0].lines().count()));
 }
 
 #[test]
 fn a_rank_that_does_not_belong_is_named_and_nothing_is_written() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("out");
     let other_answers = Trouble { other_answers: true, ..Trouble::default() };
     let error = run(CHANGING, &out, 3, other_answers).expect_err("refused");
@@ -176,7 +176,7 @@ fn a_rank_that_does_not_belong_is_named_and_nothing_is_written() {
 fn a_damaged_message_ends_the_search_and_what_is_there_goes_on() {
     let whole = CHANGING.whole();
     for damage in [3, 4] {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         let error = run(CHANGING, dir.path(), 3, Trouble { damage, ..Trouble::default() }).expect_err("damaged");
         let text = error.to_string();
         assert!(text.starts_with("rank 2 sent a message that cannot be read"), "{text}");

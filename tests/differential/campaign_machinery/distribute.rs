@@ -85,7 +85,7 @@ fn run(dir: &Path, ranks: usize, trouble: Trouble) -> Result<Option<Ending>, Run
 fn any_number_of_ranks_writes_what_one_process_writes() {
     let whole = uninterrupted();
     for ranks in [2, 3, 6] {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         assert_eq!(run(dir.path(), ranks, Trouble::default()).expect("runs"), Some(Ending::Finished));
         assert!(results(dir.path()) == whole, "{ranks} ranks");
     }
@@ -96,7 +96,7 @@ fn what_is_stopped_goes_on_with_other_ranks_to_the_same_bytes() {
     let whole = uninterrupted();
     let mut stopped = 0;
     for first in (16..200).step_by(23) {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         for ranks in 2..20 {
             let stop_after = first * (ranks as u64 - 1);
             let ending = run(dir.path(), 2 + ranks % 4, Trouble { stop_after, ..Trouble::default() }).expect("runs");
@@ -112,7 +112,7 @@ fn what_is_stopped_goes_on_with_other_ranks_to_the_same_bytes() {
 
 #[test]
 fn a_rank_that_does_not_belong_is_named_and_nothing_is_written() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let out = dir.path().join("out");
     let error = run(&out, 4, Trouble { other_answers: true, ..Trouble::default() }).expect_err("refused");
     let text = error.to_string();
@@ -124,7 +124,7 @@ fn a_rank_that_does_not_belong_is_named_and_nothing_is_written() {
 fn a_damaged_message_ends_the_run_and_what_is_there_goes_on() {
     let whole = uninterrupted();
     for damage in [2, 3, 5] {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         let error = run(dir.path(), 3, Trouble { damage, ..Trouble::default() }).expect_err("damaged").to_string();
         assert!(error.starts_with("rank 2 sent a message that cannot be read"), "{error}");
         assert_eq!(run(dir.path(), 2, Trouble::default()).expect("runs"), Some(Ending::Finished));

@@ -72,7 +72,7 @@ fn parts(dir: &Path, of: u64) -> Vec<PathBuf> {
 fn any_number_of_parts_makes_the_same_bytes_however_the_merge_is_interrupted() {
     let expected = uninterrupted();
     for of in [1, 2, 5, 51, 60] {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         let parts = Parts::open(&parts(dir.path(), of), false).expect("parts");
         let out = dir.path().join("merged");
         merge(&parts, &out, 1, false).expect("merges");
@@ -89,7 +89,7 @@ fn any_number_of_parts_makes_the_same_bytes_however_the_merge_is_interrupted() {
 
 #[test]
 fn a_merge_that_is_stopped_while_it_makes_cases_makes_that_chunk_anew() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let parts = Parts::open(&parts(dir.path(), 3), false).expect("parts");
     let (config, panel, out) = (config(), counting(), dir.path().join("merged"));
     let mut stops = 0;
@@ -116,7 +116,7 @@ fn a_merge_that_is_stopped_while_it_makes_cases_makes_that_chunk_anew() {
 
 #[test]
 fn a_merge_and_a_campaign_do_not_go_on_with_one_another() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     let parts = Parts::open(&parts(dir.path(), 3), false).expect("parts");
     let out = dir.path().join("out");
     assert_eq!(merge(&parts, &out, 1, true).expect("merges"), Ending::Stopped);

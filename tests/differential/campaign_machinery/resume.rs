@@ -53,7 +53,7 @@ pub(crate) fn results(dir: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 pub(crate) fn uninterrupted() -> BTreeMap<String, Vec<u8>> {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     assert_eq!(run(dir.path(), &config(), Start::Fresh, 1, usize::MAX).expect("runs"), Ending::Finished);
     results(dir.path())
 }
@@ -72,7 +72,7 @@ fn finds_what_it_must_and_no_more() {
 
 #[test]
 fn two_threads_write_what_one_writes() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     run(dir.path(), &config(), Start::Fresh, 2, usize::MAX).expect("runs");
     assert!(results(dir.path()) == uninterrupted());
 }
@@ -81,7 +81,7 @@ fn two_threads_write_what_one_writes() {
 fn resumed_runs_write_the_same_bytes() {
     let expected = uninterrupted();
     for chunks in [0, 1, 5, 12] {
-        let dir = tempfile::tempdir().expect("a directory");
+        let dir = crate::place::folder();
         assert_eq!(run(dir.path(), &config(), Start::Resume, 2, chunks).expect("runs"), Ending::Stopped);
         // What a kill leaves behind: rows after the last commit, half a case, a file that was not renamed.
         let mut findings = fs::OpenOptions::new().append(true).open(dir.path().join("findings.csv")).expect("open");
@@ -99,7 +99,7 @@ fn resumed_runs_write_the_same_bytes() {
 
 #[test]
 fn another_run_is_neither_overwritten_nor_continued() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     run(dir.path(), &config(), Start::Fresh, 1, 2).expect("runs");
     let error = run(dir.path(), &config(), Start::Fresh, 1, 1).expect_err("occupied");
     assert!(matches!(error, ResultsError::Occupied { .. }));
@@ -113,7 +113,7 @@ fn another_run_is_neither_overwritten_nor_continued() {
 
 #[test]
 fn damaged_runs_are_not_guessed_at() {
-    let dir = tempfile::tempdir().expect("a directory");
+    let dir = crate::place::folder();
     run(dir.path(), &config(), Start::Fresh, 1, 2).expect("runs");
     fs::write(dir.path().join("findings.csv"), b"index\n").expect("write");
     assert!(matches!(run(dir.path(), &config(), Start::Resume, 1, 1), Err(ResultsError::Damaged { .. })));
