@@ -31,8 +31,10 @@ pub struct Comparison<'c> {
 
 /// The stepper in 512 bits is asked without counting in one round of all families in so many: it makes the same comparisons again.
 const SETTLED_EVERY: u64 = 8;
-/// A commit is made when so much time has gone by since the last one.
-const COMMIT_AFTER: Duration = Duration::from_secs(2);
+/// A commit is made at the end of a chunk when so much time has gone by since the last one: it takes some milliseconds.
+const COMMIT_AFTER: Duration = Duration::from_millis(500);
+/// A chunk that takes less than this is doubled, for at its end cores wait for one another.
+const SHORTEST_CHUNK: Duration = Duration::from_secs(2);
 /// A chunk that takes longer than this is halved, for it is what a kill costs.
 const LONGEST_CHUNK: Duration = Duration::from_secs(8);
 /// Batches of a chunk at most: their results are held together.
@@ -74,7 +76,7 @@ impl Comparison<'_> {
             }
             chunk = match took {
                 _ if took > LONGEST_CHUNK => (chunk / 2).max(pool.current_num_threads() as u64),
-                _ if took < COMMIT_AFTER => (2 * chunk).min(LARGEST_CHUNK),
+                _ if took < SHORTEST_CHUNK => (2 * chunk).min(LARGEST_CHUNK),
                 _ => chunk,
             };
         }
