@@ -158,7 +158,7 @@ fn an_interrupt_is_acknowledged_and_a_second_one_ends() {
         .spawn()
         .expect("runs");
     until("listens to signals once it has results", || dir.path().join("run/progress.json").exists());
-    std::thread::sleep(std::time::Duration::from_secs(1));
+    std::thread::sleep(std::time::Duration::from_millis(200));
     let mut lines = BufReader::new(child.stderr.take().expect("piped")).lines();
     signal(&child, "INT");
     let said = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains("stopping in good order")));

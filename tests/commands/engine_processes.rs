@@ -124,9 +124,13 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     let campaign = [&pairs[..], &["--engine", "mine", "--engine-command", &engine]].concat();
     let (code, out, err) = rockproof_in(dir, &[&campaign[..], &["--out", "run", "--deny", "crash"]].concat());
     assert!(code == 0 && out.contains("were answered by a fresh process"), "{out}{err}");
-    let table = fs::read_to_string(dir.join("run/engines.csv")).expect("engines.csv");
-    let row: Vec<&str> = table.lines().nth(1).expect("a row").split(',').collect();
-    let [asked, recovered] = [1, 3].map(|at: usize| row[at].parse::<u64>().expect("a count"));
+    let engines = || fs::read_to_string(dir.join("run/engines.csv")).expect("engines.csv");
+    let counts = || {
+        let table = engines();
+        let row: Vec<&str> = table.lines().nth(1).expect("a row").split(',').collect();
+        [1, 3].map(|at: usize| row[at].parse::<u64>().expect("a count"))
+    };
+    let (table, [asked, recovered]) = (engines(), counts());
     assert!(
         table.starts_with(
             "engine,asked,processes_started,recovered,not_compared,first_failures,contacts,entrances,gap_m,\
@@ -139,16 +143,19 @@ fn failures_that_do_not_repeat_are_told_and_can_be_denied() {
     let crash = "crashed: it ended with exit code 3";
     assert!(table.contains(&format!(",{crash},")) && out.contains(&format!("  {crash}\n")), "{table}{out}");
     // Sums go on where a run does.
-    let more: Vec<&str> = campaign.iter().map(|word| if *word == "64" { "128" } else { *word }).collect();
-    let (code, _, err) = rockproof_in(dir, &[&more[..], &["--out", "part", "--deny", "recovered"]].concat());
+    let more: Vec<&str> = campaign.iter().map(|word| if *word == "64" { "80" } else { *word }).collect();
+    let (code, _, err) = rockproof_in(dir, &[&more[..], &["--out", "run", "--resume", "--deny", "recovered"]].concat());
     assert!(code == 1 && err.contains("recovered"), "{err}");
+    let [asked_since, recovered_since] = counts();
+    assert!(recovered_since > recovered && asked_since > asked, "{asked_since} {recovered_since}");
     let (code, out, err) = rockproof_in(dir, &["report", "run", "--out", "page"]);
     assert!(code == 0 && out.contains("were answered by a fresh process"), "{out}{err}");
 
     // One limit on what it answers in each.
     let gated = |limit: &str| {
         let limits = format!("[[limit]]\ncount = 9999\n{limit}");
-        gate(dir, &around(&[&client(), "second"], &limits), &[], true)
+        // Each second question costs two processes.
+        gate(dir, &around(&[&client(), "second"], &limits).replace("pairs = 256", "pairs = 32"), &[], true)
     };
     let ran = gated("[[limit]]\nchange = \"crash\"\ncount = 0\n");
     assert!(ran.code == 0 && ran.out.contains("no limit names them"), "{}{}", ran.out, ran.err);

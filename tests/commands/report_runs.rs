@@ -60,7 +60,9 @@ fn a_run_that_is_named_twice_is_refused() {
 /// A copy of a run, or a part beside the whole, has the same pairs under another path.
 #[test]
 fn runs_of_one_campaign_may_not_share_pairs() {
-    let campaigns = Campaigns::new(&SETTINGS.replace("cases_per_cause = 60", "cases_per_cause = 0"));
+    // Steps would take most of the time.
+    let settings = SETTINGS.replace("cases_per_cause = 60", "cases_per_cause = 0");
+    let campaigns = Campaigns::new(&settings.replace("steps_every = 3", "steps_every = 0"));
     let dirs = campaigns.parts(2, &[]);
     campaigns.campaign("whole", &["--engine", "stepper-f64"]);
     campaigns.campaign("again", &["--engine", "stepper-f64,stepper-f32"]);
