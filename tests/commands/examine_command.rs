@@ -298,6 +298,24 @@ fn bad_input_and_directories_of_others_exit_with_2() {
     assert!(code == 2 && err.contains("belongs to `rockproof simulate`"), "{err}");
 }
 
+/// The audit is of settling too: its count of steps is larger than that of the steps asked for.
+#[test]
+fn steps_of_settling_are_told_beside_the_others() {
+    let place = Place::new();
+    let two = "[[block]]\nfixed = true\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n\
+               [[block]]\nbox = { min = [0, 0, 1], max = [1, 1, 2] }\n";
+    for (settle, made, audited) in [(0, "2 made, ", 2), (3, "2 made after 3 of settling, ", 5)] {
+        place.file("two.toml", &format!("[simulation]\nsettle = {settle}\n{two}"));
+        let (code, out, err) =
+            place.run(&["examine", "two.toml", "--steps", "2", "--no-tune", "--out", &made.len().to_string()]);
+        let line = out.lines().find(|line| line.contains(" steps ")).expect("a line on steps");
+        assert!(
+            code == 0 && line.contains(made) && line.contains(&format!("no passage in {audited} steps")),
+            "{out}{err}"
+        );
+    }
+}
+
 #[test]
 fn what_was_not_tried_is_said_beside_safe() {
     let place = Place::new();

@@ -312,7 +312,12 @@ fn steps(given: &Assessment) -> Line {
         count => format!(", {count} of them taken though the iteration had not converged"),
     };
     let (held, totals) = (made.held.sentence(), made.totals.sentence());
-    let text = format!("{} made{ended}{unconverged}, {held}: {totals}", made.made);
+    // The audit counts them too.
+    let settling = match made.totals.steps.saturating_sub(made.made) {
+        0 => String::new(),
+        count => format!(" after {} of settling", grouped(count)),
+    };
+    let text = format!("{} made{settling}{ended}{unconverged}, {held}: {totals}", made.made);
     line("steps", severity, text)
 }
 
