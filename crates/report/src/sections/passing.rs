@@ -77,11 +77,11 @@ fn table(runs: &[MotionRun]) -> Table {
     table
 }
 
-/// The worst passages and unseen overlaps with their causes.
+/// The worst passages and the worst overlaps that became unseen, with their causes.
 fn causes(runs: &[MotionRun]) -> Table {
     let mut table = Table::new(
         "audit_causes",
-        "The worst passages and unseen overlaps of each run, and their causes; rockproof replay shows their cases",
+        "The worst passages of each run and the worst overlaps that became unseen in it, with their causes; overlaps that were unseen when it began have none. rockproof replay shows the cases",
         &["run", "step", "change", "blocks", "depth_m", "cause", "before", "after", "case_blocks", "case"],
     );
     for run in runs {
