@@ -23,7 +23,8 @@ pub(crate) struct SlipForce<S> {
 }
 
 impl<S: Field> SlipForce<S> {
-    fn none(last: &Vec3<S>) -> SlipForce<S> {
+    /// No force where the slip was `last`.
+    pub(crate) fn none(last: &Vec3<S>) -> SlipForce<S> {
         SlipForce { last: last.clone(), secant: S::from_i32(0), across: Vec3::zero(), spring: S::from_i32(0) }
     }
 

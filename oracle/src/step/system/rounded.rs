@@ -64,6 +64,7 @@ struct RoundedContact {
 impl<'a> RoundedStiffness<'a> {
     fn of(system: &System<'_, 'a, WideBall>) -> RoundedStiffness<'a> {
         let vector = |v: &Vec3<WideBall>| v.map(rounded);
+        let nothing: Vec3<DoubleBall> = Vec3::zero();
         let base = |base: &&Base<WideBall>| Base {
             matrix: base.matrix.iter().map(|row| row.iter().map(rounded).collect()).collect(),
             right: vec![DoubleBall::from_i32(0); base.right.len()],
@@ -76,14 +77,13 @@ impl<'a> RoundedStiffness<'a> {
                 gap: DoubleBall::from_i32(0),
                 points: points.each_ref().map(vector),
                 over_square: rounded(over_square),
-                stretch: Vec3::zero(),
+                stretch: nothing,
             };
             // A force that does not depend on where the contact moves is none of the stiffness.
             let slip = closed.slip.map(|slip| SlipForce {
-                last: Vec3::zero(),
-                secant: DoubleBall::from_i32(0),
                 across: vector(&slip.across),
                 spring: rounded(&slip.spring),
+                ..SlipForce::none(&nothing)
             });
             RoundedContact { place: closed.place, mode: closed.mode, geometry, slip }
         };
