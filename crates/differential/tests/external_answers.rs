@@ -107,6 +107,12 @@ fn what_is_wrong_with_an_answer_is_said() {
             "\\\"gap_m\\\":-nan}…; JSON has no NaN and no infinity: where a gap is none, leave its key out",
         ),
         ("\\\"contact\\\":[]".to_owned(), "expected one of contacts, state, unsupported; none is there"),
+        (
+            "\\\"state\\\":\\\"overlapping\\\",\\\"state\\\":\\\"apart\\\"".to_owned(),
+            "the key \"state\" is there twice in one object",
+        ),
+        ("\\\"contacts\\\":[],\\\"contacts\\\":[]".to_owned(), "the key \"contacts\" is there twice in one object"),
+        (contact("0,\\\"feature_a\\\":1"), "the key \"feature_a\" is there twice in one object"),
     ] {
         let said = ask(&engine(&format!("read line; echo \"{{\\\"id\\\":0,{answer}}}\"; read line"), false));
         assert!(matches!(&said, Err(EngineFailure::Malformed(what)) if what.contains(told)), "{answer}: {said:?}");

@@ -9,6 +9,7 @@ pub mod process;
 mod program;
 pub mod protocol;
 pub mod spec;
+mod watched_json;
 
 #[cfg(not(unix))]
 #[path = "unsupported_platform.rs"]

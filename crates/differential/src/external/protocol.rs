@@ -2,6 +2,7 @@
 
 use crate::answer_detail::AnswerDetail;
 use crate::engine::{Answer, EngineFailure};
+use crate::external::watched_json::WatchedJson;
 use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{
@@ -118,7 +119,10 @@ fn is_no_number(word: &[u8]) -> bool {
 }
 
 fn read(line: &[u8], id: u64, features: [&Topology; 2]) -> Result<(Answer, AnswerDetail), ProtocolError> {
-    let value: Value = serde_json::from_slice(line).map_err(|error| not_json(line, &error))?;
+    let WatchedJson { value, repeated } = serde_json::from_slice(line).map_err(|error| not_json(line, &error))?;
+    if let Some(key) = repeated {
+        return Err(format!("the key {key:?} is there twice in one object").into());
+    }
     let Value::Object(object) = value else {
         return Err(format!("expected an object, found {}", kind_of(&value)).into());
     };
