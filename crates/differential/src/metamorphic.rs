@@ -10,6 +10,7 @@ use super::collision;
 use super::compare::{AnswerChange, Difference, Features, differences};
 use super::engine::{Engine, Oracle, Prepared, catch_panic};
 use super::explain::{ChainLink, explain};
+use super::external::protocol::completed;
 use super::finding::{Cause, DecidingDecision};
 use super::indexed_trace::IndexedTrace;
 use super::transform::{ExactBlocks, Transform, Transformed};
@@ -135,7 +136,10 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
     let Ok(prepared) = catch_panic(|| base.engine.prepare(a, b)) else { return };
     let Ok(answer) = catch_panic(|| prepared.classify(&tolerances)) else { return };
     let answer = other.to_original(&answer);
-    if answer == base.contacts {
+    // What either answer leaves unsaid is not compared.
+    let contacts = completed(base.contacts.to_vec(), &answer);
+    let answer = completed(answer, &contacts);
+    if answer == contacts {
         return;
     }
     let features = Features { a: base.blocks[0].topology(), b: base.blocks[1].topology() };
@@ -145,7 +149,7 @@ fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed
     let exact = other.to_original(&turned);
     let allowed = differences(base.exact, &exact, features);
     let key = |d: &Difference| d.contact().map(|c| c.key);
-    let changed = differences(base.contacts, &answer, features);
+    let changed = differences(&contacts, &answer, features);
     // A defect is what differs from the oracle, before the change or after, although nothing was close: that the two wide answers differ is no
     // defect where the order of features breaks an exact tie.
     let departing = OnceCell::new();

@@ -5,9 +5,11 @@ use super::scripted::{cube, subject};
 use rockproof_differential::attribution::{EnginePanel, examine_pair};
 use rockproof_differential::builtin::BuiltinOracle;
 use rockproof_differential::compare::AnswerChange;
-use rockproof_differential::engine::{Engine, EngineFailure, Oracle, Prepared, Trace, WideAnswer};
+use rockproof_differential::engine::{Answer, Engine, EngineFailure, Oracle, Prepared, Trace, WideAnswer};
+use rockproof_differential::external::protocol::answer;
 use rockproof_differential::finding::Cause;
 use rockproof_model::{Block, Contact, ContactKind, Precision, ToleranceSet, VertexId};
+use serde_json::json;
 
 /// Answers as the oracle does, but loses every contact of a pair changed in the given way.
 struct Upset(Option<AnswerChange>);
@@ -83,4 +85,64 @@ fn each_check_catches_its_violation() {
         assert_eq!(violations(Some(change)), [(Cause::Defect, change)], "{change}");
     }
     assert_eq!(violations(Some(AnswerChange::FarBlock)), [(Cause::Arithmetic, AnswerChange::FarBlock)]);
+}
+
+/// Answers as the oracle does, but names no entrance where A is beyond 1.5 m, or elsewhere.
+struct Terse {
+    is_terse_beyond: bool,
+}
+
+struct TersePair<'p> {
+    blocks: [&'p Block; 2],
+    is_terse: bool,
+}
+
+impl Engine for Terse {
+    fn name(&self) -> &str {
+        "terse"
+    }
+    fn precision(&self) -> Precision {
+        Precision::F32
+    }
+    fn prepare<'p>(&'p self, a: &'p Block, b: &'p Block) -> Result<Box<dyn Prepared + 'p>, EngineFailure> {
+        let is_beyond = a.vertices()[0].x.approximate() > 1.5;
+        Ok(Box::new(TersePair { blocks: [a, b], is_terse: is_beyond == self.is_terse_beyond }))
+    }
+}
+
+impl Prepared for TersePair<'_> {
+    fn classify(&self, tolerances: &ToleranceSet) -> Result<Vec<Contact>, EngineFailure> {
+        let [a, b] = self.blocks;
+        let contacts = BuiltinOracle.prepare(a, b).pair().classify(tolerances).contacts;
+        if !self.is_terse {
+            return Ok(contacts);
+        }
+        let kinds = contacts.iter().map(|contact| {
+            let [a, b] = contact.key.numbers();
+            json!({ "kind": contact.kind().name(), "feature_a": a, "feature_b": b })
+        });
+        let line = json!({ "id": 0, "contacts": kinds.collect::<Vec<_>>() }).to_string();
+        match answer(line.as_bytes(), 0, [a.topology(), b.topology()])? {
+            Answer::Contacts(contacts) => Ok(contacts),
+            Answer::State(said) => panic!("{said}"),
+        }
+    }
+    fn trace(&self, _: &ToleranceSet) -> Option<Trace> {
+        None
+    }
+    fn classify_wide(&self, _: &ToleranceSet) -> Option<WideAnswer> {
+        None
+    }
+}
+
+#[test]
+fn what_is_left_unsaid_on_one_side_of_a_check_is_not_compared() {
+    for is_terse_beyond in [true, false] {
+        let engines: Vec<Box<dyn Engine>> = vec![Box::new(Terse { is_terse_beyond })];
+        let panel = EnginePanel { oracle: Box::new(BuiltinOracle), engines, metamorphic_every: 1 };
+        let examined = examine_pair(&subject(0, cube(0.0, 1.0), cube(1.0, 1.0)), &panel);
+        assert_eq!(examined.metamorphic_checks, 5);
+        let of_engine = examined.findings.iter().filter(|finding| finding.scope.to_string() == "terse");
+        assert_eq!(of_engine.count(), 0, "{is_terse_beyond}");
+    }
 }
