@@ -813,7 +813,8 @@ fn write_summary<R: Real>(
 fn write_end(out: &mut String, record: &RunRecord, ending: &Ending) -> std::fmt::Result {
     match ending {
         Ending::Finished => {}
-        Ending::Interrupted => writeln!(out, "interrupted; --resume goes on")?,
+        Ending::Interrupted if record.can_be_resumed() => writeln!(out, "interrupted; --resume goes on")?,
+        Ending::Interrupted => writeln!(out, "interrupted; what was done is kept, but --free cannot be resumed")?,
         Ending::Stopped(_) => writeln!(out, "stopped; the last good state is kept")?,
         Ending::Diverged => writeln!(out, "ended at the first difference")?,
         Ending::Unproved(_) => writeln!(out, "ended: the oracle cannot make the step")?,

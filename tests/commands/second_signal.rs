@@ -111,3 +111,27 @@ fn an_exact_run_stops_within_a_step() {
     let about: serde_json::Value = serde_json::from_str(&place.read("out/run.json")).expect("JSON");
     assert_eq!((&about["ending"], &about["steps"]), (&"interrupted".into(), &0.into()), "{about}");
 }
+
+/// The exact trajectory is kept in no checkpoint, so nobody is sent to `--resume`.
+#[test]
+fn an_interrupted_run_beside_the_exact_trajectory_does_not_promise_to_go_on() {
+    let place = Place::new();
+    place.file("slider.toml", crate::lockstep_cli::SLIDER);
+    let run = |out: &str, mode: &[&str]| {
+        let arguments = [&["simulate", "slider.toml", "--steps", "100000", "--out", out][..], mode].concat();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rockproof"));
+        command.current_dir(place.path(".")).args(arguments).stdout(Stdio::piped()).stderr(Stdio::null());
+        let child = command.spawn().expect("starts");
+        let table = place.path(out).join("steps.csv");
+        until("steps are made", || {
+            std::fs::read(&table).is_ok_and(|rows| rows.iter().filter(|b| **b == b'\n').count() > 2)
+        });
+        signal(&child, "INT");
+        let ended = child.wait_with_output().expect("an end");
+        assert_eq!(ended.status.code(), Some(130));
+        String::from_utf8(ended.stdout).expect("text")
+    };
+    let out = run("free", &["--free"]);
+    assert!(out.contains("\ninterrupted; what was done is kept, but --free cannot be resumed\n"), "{out}");
+    assert!(run("plain", &[]).contains("\ninterrupted; --resume goes on\n"));
+}

@@ -198,6 +198,11 @@ impl RunRecord {
         self.directory.path()
     }
 
+    /// Whether it can be gone on with: the exact trajectory beside it is kept in no checkpoint.
+    pub fn can_be_resumed(&self) -> bool {
+        self.tables[RunTable::Free as usize].is_none()
+    }
+
     /// Names of the files and folders it writes.
     pub fn names(&self) -> Vec<&'static str> {
         let tables = RunTable::ALL.into_iter().filter(|t| self.tables[*t as usize].is_some()).map(RunTable::name);
