@@ -11,7 +11,7 @@ use rockproof_differential::builtin::{ENGINES, full_name};
 use rockproof_differential::case_file::Case;
 use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::quoted;
-use rockproof_examine::reading;
+use rockproof_examine::{reading, refuse_too_large};
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::{LoadOptions, Number, Precision, Preset, Scene, ToleranceSpec};
 use serde_json::Value;
@@ -48,7 +48,9 @@ impl ReadArgs {
     /// # Errors
     /// When the file cannot be read, or the first thing that is wrong in it.
     pub(crate) fn scene(&self, file: &InputFile) -> anyhow::Result<Scene> {
-        Ok(ModelFile::read(file, self)?.scene()?)
+        let scene = ModelFile::read(file, self)?.scene()?;
+        refuse_too_large(&scene).with_context(|| file.path().display().to_string())?;
+        Ok(scene)
     }
 
     /// The options as they stand on a command line, after a space; nothing where none is given.

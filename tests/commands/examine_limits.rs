@@ -108,8 +108,16 @@ fn what_f64_does_not_hold_is_said_and_never_printed() {
         "[[block]]\nbox = { min = [1e300, 0, 0], max = [2e300, 1e300, 1e300] }\n\
          [[block]]\nbox = { min = [2e300, 0, 0], max = [3e300, 1e300, 1e300] }\n",
     );
-    for command in ["check", "examine"] {
-        let (code, out, err) = place.run(&[command, "huge.toml"]);
+    let convert = ["convert", "huge.toml", "huge.vtu"];
+    for arguments in [
+        &["check", "huge.toml"][..],
+        &["examine", "huge.toml"],
+        &["classify", "huge.toml"],
+        &["simulate", "huge.toml"],
+        &["tune", "huge.toml"],
+        &convert,
+    ] {
+        let (code, out, err) = place.run(arguments);
         assert!(
             code == 2 && out.is_empty() && err.starts_with("error: huge.toml: block 0 \"block_0\": "),
             "{out}{err}"

@@ -81,6 +81,20 @@ pub enum CheckError {
     },
 }
 
+/// Refuses blocks so large, or so far off, that weights and energies overflow.
+///
+/// # Errors
+/// [`CheckError::Size`] with the first coordinate beyond [`LARGEST_COORDINATE`].
+pub fn refuse_too_large(scene: &Scene) -> Result<(), CheckError> {
+    for (number, block) in scene.blocks.iter().enumerate() {
+        let mut coordinates = block.block.coordinates().map(Number::approximate);
+        if let Some(coordinate) = coordinates.find(|c| c.abs() > LARGEST_COORDINATE) {
+            return Err(CheckError::Size { number, name: block.name.clone(), coordinate });
+        }
+    }
+    Ok(())
+}
+
 impl CheckedModel {
     /// Compares the tolerances of a scene with the rules. The file is named as in messages and results, with the format it was read as.
     ///
@@ -96,12 +110,8 @@ impl CheckedModel {
             if block.block.rounded(precision).is_none() {
                 return Err(CheckError::Block { number, name: block.name.clone(), precision });
             }
-            if let Some(coordinate) =
-                block.block.coordinates().map(Number::approximate).find(|c| c.abs() > LARGEST_COORDINATE)
-            {
-                return Err(CheckError::Size { number, name: block.name.clone(), coordinate });
-            }
         }
+        refuse_too_large(&scene)?;
         set.rounded(precision).map_err(|name| CheckError::Tolerance { name, precision })?;
         let (violations, (fall, (thin, extents))) = rayon::join(
             || tolerance_rules::check_scene(&set, &scene, precision),

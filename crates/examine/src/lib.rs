@@ -35,8 +35,8 @@ pub use assess::{Assessment, Examination, Settings, examine};
 pub use bare_edges::{BareEdge, bare_edges};
 pub use cases::{KeptCase, worst_cases};
 pub use checked::{
-    BlockCounts, CheckError, CheckedModel, ignored_of_fixed, ignored_of_rigid, in_seven_digits, tolerances_json,
-    violation_json, violations_text,
+    BlockCounts, CheckError, CheckedModel, ignored_of_fixed, ignored_of_rigid, in_seven_digits, refuse_too_large,
+    tolerances_json, violation_json, violations_text,
 };
 pub use document::document;
 pub use error::ExamineError;
