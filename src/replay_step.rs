@@ -7,6 +7,7 @@ use crate::table::table;
 use anyhow::Context;
 use rockproof_differential::lockstep::answer::described;
 use rockproof_differential::lockstep::intrusion::PairIntrusion;
+use rockproof_differential::lockstep::replay::recorded_depths;
 use rockproof_differential::lockstep::{
     AttributedDifference, ComparedStep, Drift, Intrusion, ReplayedStep, StepCase, StepDecisions, WatchedStep,
 };
@@ -24,6 +25,7 @@ pub(super) fn run(text: &str, path: &Path, format: &FormatArgs) -> Outcome {
     let mut text = String::new();
     // Writing to a String cannot fail.
     let _ = show(&mut text, &case, compared, drift);
+    let _ = show_depths(&mut text, &case, &replayed);
     let (recurs, undecided) = (replayed.recurs(), replayed.undecided());
     text += &match &undecided {
         Some(undecided) => format!("\nwhether the finding recurs is not known: {undecided}\n"),
@@ -148,6 +150,16 @@ fn show(out: &mut String, case: &StepCase, step: &ComparedStep, drift: Option<Dr
         )?;
     }
     Ok(())
+}
+
+/// The depths of a case that is about them.
+fn show_depths(out: &mut String, case: &StepCase, replayed: &ReplayedStep) -> std::fmt::Result {
+    if let (None, Some(_), [Some(stepper), Some(oracle)]) =
+        (&replayed.compared.depths, recorded_depths(case).next(), replayed.compared.penetration)
+    {
+        writeln!(out, "penetration {stepper:e} m, {oracle:e} m exactly")?;
+    }
+    replayed.depth.map_or(Ok(()), |depth| writeln!(out, "{}", depth.words()))
 }
 
 /// The passages and unseen overlaps of both sides, and their causes.

@@ -185,3 +185,44 @@ fn an_exact_run_says_what_it_keeps() {
         assert!(code == 2 && said.contains("they need --engine exact or --free"), "{options:?}: {said}");
     }
 }
+
+/// Runs a campaign whose pairs all make one step; its rows about depths, and the case of the first.
+fn depths(place: &Place, family: &str, seed: &str) -> (Vec<String>, Option<String>) {
+    let pairs = ["--pairs", "32", "--family", family, "--tolerances", "shi", "--engine", "stepper-f32"];
+    let steps = ["--steps-every", "1", "--steps", "1", "--seed", seed, "--out", family];
+    let (code, out, err) = place.run(&[&["-q", "campaign"], &pairs[..], &steps].concat());
+    assert_eq!(code, 0, "{out}{err}");
+    let rows = place.read(&format!("{family}/step_findings.csv"));
+    let rows: Vec<String> =
+        rows.lines().filter(|row| DEPTHS.iter().any(|change| row.contains(change))).map(str::to_owned).collect();
+    let case = rows.iter().find_map(|row| row.rsplit(',').next().filter(|case| !case.is_empty()));
+    let case = case.map(|case| format!("{family}/{case}"));
+    (rows, case)
+}
+
+const DEPTHS: [&str; 2] = [",deeper,", ",shallower,"];
+
+/// A case about depths is replayed, made small and judged by a gate by its depths, whatever else differs in its step.
+#[test]
+fn a_case_about_depths_is_held_to_its_depths() {
+    let place = Place::new();
+    let (rows, case) = depths(&place, "edge_cross", "22");
+    let case = case.unwrap_or_else(|| panic!("{rows:?}"));
+    let (code, out, err) = place.run(&["replay", &case]);
+    assert!(code == 0 && out.contains("\narithmetic deeper: ") && out.contains("\npenetration "), "{out}{err}");
+    let (code, out, err) = place.run(&["shrink", &case, "--evaluations", "50", "--out", "small.json"]);
+    assert!(code == 0 && place.read("small.json").contains("\"arithmetic deeper: "), "{out}{err}");
+    place.file("gate.toml", "corpus = [\"case.json\"]\n[campaign]\npairs = 16\n");
+    let text = place.read(&case);
+    let words = text.lines().find(|line| line.contains("arithmetic deeper: ")).expect("what differs");
+    let (before, after) = words.split_once(" → ").expect("two depths");
+    let before_m: f64 = before.rsplit(' ').next().expect("a depth").parse().expect("a number");
+    let after_m: f64 = after.trim_matches(['"', ',']).parse().expect("a number");
+    // As deep as recorded, and four times as much deeper.
+    for (share, passes) in [(1.0, true), (0.25, false)] {
+        let recorded = format!("{before} → {:e}\"", before_m + share * (after_m - before_m));
+        place.file("case.json", &text.replace(words, &recorded));
+        let (code, out, err) = place.run(&["gate", "gate.toml"]);
+        assert_eq!(out.contains("nor what the case records: arithmetic deeper: "), !passes, "{code} {out}{err}");
+    }
+}

@@ -6,6 +6,7 @@ use crate::shrink::{BlockQuestion, BlockShrinker, Refusals};
 use rockproof_differential::finding::Cause;
 use rockproof_differential::lockstep::StepCase;
 use rockproof_differential::lockstep::case_file::Expected;
+use rockproof_differential::lockstep::penetration::DepthDifference;
 use rockproof_differential::lockstep::recorded::{pair_difference, pair_intrusion};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{NamedSet, Subject};
@@ -100,6 +101,12 @@ struct ShownStep {
 }
 
 impl ShownStep {
+    /// How the depths after it differ.
+    fn depth(&self, precision: Precision) -> Option<DepthDifference> {
+        let ShownStep { subject, made, .. } = self;
+        DepthDifference::of(&[&subject.a, &subject.b], precision, &made.compared, made.drift.is_some())
+    }
+
     /// Makes the blocks smaller for as long as `again` makes a step that shows the finding; at most so many are made.
     fn shrink_blocks(
         &mut self,
@@ -135,7 +142,9 @@ fn written(finding: &StepFinding, set: &NamedSet, precision: Precision, shown: &
             let watched = made.compared.watched.iter().flat_map(|watched| &watched.attributed);
             differences.extend(watched.map(pair_intrusion));
         }
-        _ => {
+        // That of this step, whose motion is simpler than the finding's.
+        StepChange::Deeper | StepChange::Shallower => differences.push(shown.depth(precision)?.words()),
+        StepChange::State(_) => {
             let StepFinding { cause, change, before, after, .. } = finding;
             differences.push(format!("{cause} {}: {before} → {after}", change.name()));
         }
@@ -179,7 +188,8 @@ fn reproduces(made: &ComparedPairStep, finding: &StepFinding) -> bool {
             let [Some(was), Some(right)] = finding.penetration else { return false };
             let same_cause = (compared.count(Cause::Defect) > 0) == (finding.cause == Cause::Defect.into());
             // As much of a difference as was found, in the same direction.
-            same_cause && (stepper - oracle) * (was - right).signum() >= 0.5 * (was - right).abs()
+            same_cause
+                && (stepper - oracle) * (was - right).signum() >= StepFinding::SHARE_OF_DEPTH * (was - right).abs()
         }
     }
 }

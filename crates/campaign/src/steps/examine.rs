@@ -5,10 +5,9 @@ use super::finding::{StepChange, StepFinding};
 use super::summary::{StepGroup, StepSummary, half_side};
 use rockproof_differential::finding::{Cause, FindingScope};
 use rockproof_differential::lockstep::StepCause;
-use rockproof_differential::lockstep::penetration::StepPenetrations;
+use rockproof_differential::lockstep::penetration::DepthDifference;
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{NamedSet, Subject};
-use rockproof_model::Precision;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What the steps of some pairs brought.
@@ -48,9 +47,11 @@ pub fn examine(subject: &Subject, motion: &PairMotion, engines: &[Box<dyn StepEn
             match steps {
                 Ok(Ok(steps)) => {
                     for made in &steps {
-                        let deepened = penetration_change(subject, engine.precision(), made);
-                        all.summary.add_step(&place, made, deepened, half);
-                        findings_of_step(subject, set, &**engine, (made, deepened), &mut all.findings);
+                        let blocks = [&subject.a, &subject.b];
+                        let depth =
+                            DepthDifference::of(&blocks, engine.precision(), &made.compared, made.drift.is_some());
+                        all.summary.add_step(&place, made, depth.as_ref().map(StepChange::of_depth), half);
+                        findings_of_step(subject, set, &**engine, (made, depth), &mut all.findings);
                     }
                 }
                 Ok(Err(_)) => all.summary.add_silent(&place),
@@ -110,15 +111,12 @@ fn empty_finding(
     }
 }
 
-/// Roundoffs of the largest coordinate that two depths may differ by, and be the same.
-const ROUNDOFFS: f64 = 64.0;
-
 /// What differs in a step. Differences of contacts in the first step are those of `findings.csv`, and left to it.
 fn findings_of_step(
     subject: &Subject,
     set: &NamedSet,
     engine: &dyn StepEngine,
-    (made, deepened): (&ComparedPairStep, Option<StepChange>),
+    (made, depth): (&ComparedPairStep, Option<DepthDifference>),
     findings: &mut Vec<StepFinding>,
 ) {
     let compared = &made.compared;
@@ -146,26 +144,11 @@ fn findings_of_step(
         [finding.before, finding.after] = attributed.words().map(str::to_owned);
         findings.push(finding);
     }
-    let Some(change) = deepened else { return };
-    let defect = made.drift.is_some() || compared.count(Cause::Defect) > 0;
-    let mut finding = new(if defect { Cause::Defect } else { Cause::Arithmetic }.into());
-    let depth = |side: usize| compared.penetration[side].map_or(String::new(), |depth| format!("{depth:e}"));
-    (finding.change, finding.before, finding.after) = (change, depth(1), depth(0));
+    let Some(depth) = depth else { return };
+    let mut finding = new(depth.cause.into());
+    finding.change = StepChange::of_depth(&depth);
+    [finding.before, finding.after] = depth.depth_texts();
     findings.push(finding);
-}
-
-/// Whether penetrations after a step differ by more than rounding the coordinates explains.
-fn penetration_change(subject: &Subject, precision: Precision, made: &ComparedPairStep) -> Option<StepChange> {
-    let [Some(stepper), Some(oracle)] = made.compared.penetration else { return None };
-    let blocks = [&subject.a, &subject.b];
-    let coordinates = blocks.into_iter().flat_map(|b| b.vertices()).flat_map(|v| v.components());
-    let largest = coordinates.map(|c| c.approximate().abs()).fold(0.0, f64::max);
-    let rounding = ROUNDOFFS * precision.epsilon() / 2.0 * largest;
-    let change = stepper - oracle;
-    if change.abs() <= rounding.max(StepPenetrations::NEGLIGIBLE_SHARE * stepper.max(oracle)) {
-        return None;
-    }
-    Some(if change > 0.0 { StepChange::Deeper } else { StepChange::Shallower })
 }
 
 /// What tolerances and rounding do is counted once, not once an engine: the same tolerance difference in every precision is

@@ -4,6 +4,7 @@
 use rockproof_differential::compare;
 use rockproof_differential::finding::{DecidingDecision, FindingScope};
 use rockproof_differential::lockstep::answer::StepAnswerChange;
+use rockproof_differential::lockstep::penetration::DepthDifference;
 use rockproof_differential::lockstep::{AttributedDifference, DriftQuantity, Intrusion, StepCause};
 use rockproof_differential::row;
 use rockproof_model::Contact;
@@ -44,6 +45,11 @@ impl StepChange {
         "passage",
         "unseen",
     ];
+
+    /// What a difference of depths is called.
+    pub(super) fn of_depth(depth: &DepthDifference) -> StepChange {
+        if depth.deeper_by() > 0.0 { StepChange::Deeper } else { StepChange::Shallower }
+    }
 
     /// The name in tables and files.
     pub fn name(&self) -> &'static str {
@@ -168,6 +174,9 @@ pub const STEP_FINDING_COLUMNS: [&str; 22] = [
 ];
 
 impl StepFinding {
+    /// A smaller step shows a difference of depths by at least this share of it.
+    pub(super) const SHARE_OF_DEPTH: f64 = 0.5;
+
     /// Takes over what a difference of two steps says.
     pub(super) fn take_difference(&mut self, attributed: &AttributedDifference) {
         let difference = &attributed.difference;

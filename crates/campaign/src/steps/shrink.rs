@@ -1,11 +1,14 @@
 //! A state file made smaller for as long as its step shows the same difference: fewer blocks, a step from rest in place of a later one, less motion,
 //! simpler blocks.
 
+use super::finding::StepFinding;
 use crate::shrink::{BlockQuestion, BlockShrinker, Refusals};
 use rockproof_differential::collapse::collapsed_feature;
 use rockproof_differential::lockstep::case_file::Expected;
 use rockproof_differential::lockstep::cutout::cutout;
+use rockproof_differential::lockstep::penetration::DepthDifference;
 use rockproof_differential::lockstep::recorded::{pair_difference, pair_intrusion, run_difference, run_intrusion};
+use rockproof_differential::lockstep::replay::recorded_depths;
 use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, Lockstep, ReplayError, StepCase};
 use rockproof_model::simulation::Kinematics;
 use rockproof_model::{Block, Motion, Number, Precision, Scene, ToleranceSet, Vec3};
@@ -53,7 +56,16 @@ fn shrunk<R: Solve>(
     let (scene, set) = case.scene().map_err(ReplayError::from)?;
     let state = case.state.state::<R>().map_err(ReplayError::from)?;
     let watches = case.expected.intrusions.is_some();
-    let mut shrinker = StepShrinker { set, precision, watches, wanted: String::new(), left: steps.max(1), made };
+    let measures = recorded_depths(case).next().is_some();
+    let mut shrinker = StepShrinker {
+        set,
+        precision,
+        watches,
+        measures,
+        wanted: WantedDifference::Words(String::new()),
+        left: steps.max(1),
+        made,
+    };
     let not_shown = || StepShrinkError::NotShown(case.differences.join("; "));
     let first = shrinker.made(&scene, Some(&state)).ok_or_else(not_shown)?;
     let is_recorded =
@@ -62,7 +74,12 @@ fn shrunk<R: Solve>(
     let intrusions = intrusions.filter_map(|one| is_recorded([pair_intrusion(one), run_intrusion(one)]));
     let decisions = first.compared.differences.iter();
     let decisions = decisions.filter_map(|one| is_recorded([pair_difference(one), run_difference(one)]));
-    shrinker.wanted = intrusions.chain(decisions).next().ok_or_else(not_shown)?;
+    let depth = recorded_depths(case).find(|recorded| first.depth.is_some_and(|one| one.is_as(recorded)));
+    // Only a case that is about depths records them.
+    shrinker.wanted = match depth {
+        Some(depth) => WantedDifference::Depth(depth),
+        None => WantedDifference::Words(intrusions.chain(decisions).next().ok_or_else(not_shown)?),
+    };
     let best = shrinker.smallest(first);
     shrinker.recorded(&best).ok_or(StepShrinkError::Unrecorded)
 }
@@ -74,6 +91,16 @@ struct MadeStep<R> {
     /// Whether the scene begins in that state.
     is_first: bool,
     compared: ComparedStep,
+    /// How the depths after it differ, where the case records that they do.
+    depth: Option<DepthDifference>,
+}
+
+/// The difference to be shown.
+enum WantedDifference {
+    /// In the words of a campaign's case.
+    Words(String),
+    /// Depths that differ by at least [`StepFinding::SHARE_OF_DEPTH`] of that.
+    Depth(DepthDifference),
 }
 
 /// Makes one step smaller.
@@ -82,8 +109,9 @@ struct StepShrinker<'m> {
     precision: Precision,
     /// Whether passages and unseen overlaps are looked for.
     watches: bool,
-    /// The difference to be shown, in the words of a campaign's case.
-    wanted: String,
+    /// Whether depths are compared.
+    measures: bool,
+    wanted: WantedDifference,
     left: u64,
     /// Counts the steps that are made.
     made: &'m AtomicU64,
@@ -111,22 +139,37 @@ impl StepShrinker<'_> {
         let compared = lockstep.step().1;
         // Without the oracle's answer there is nothing to record.
         compared.oracle.as_ref()?;
-        Some(MadeStep { scene: scene.clone(), is_first: before == begin, before, compared })
+        let mut depth = None;
+        if self.measures {
+            let drifts = lockstep.drift(&before, &compared).is_some();
+            depth = DepthDifference::of(&scene.shapes(), self.precision, &compared, drifts);
+        }
+        Some(MadeStep { scene: scene.clone(), is_first: before == begin, before, compared, depth })
     }
 
     /// The blocks of the difference to be shown; none of one that is about no pair. `None` where the step does not show it.
-    fn shown(&self, compared: &ComparedStep) -> Option<Option<[usize; 2]>> {
+    fn shown<R>(&self, made: &MadeStep<R>) -> Option<Option<[usize; 2]>> {
+        let wanted = match &self.wanted {
+            WantedDifference::Words(words) => words,
+            WantedDifference::Depth(wanted) => {
+                let is_shown = |one: &DepthDifference| {
+                    one.cause == wanted.cause && one.deeper_by() / wanted.deeper_by() >= StepFinding::SHARE_OF_DEPTH
+                };
+                return made.depth.as_ref().is_some_and(is_shown).then_some(None);
+            }
+        };
+        let compared = &made.compared;
         let mut intrusions = compared.watched.iter().flat_map(|watched| &watched.attributed);
-        if let Some(one) = intrusions.find(|one| pair_intrusion(one) == self.wanted) {
+        if let Some(one) = intrusions.find(|one| pair_intrusion(one) == *wanted) {
             return Some(Some(one.blocks));
         }
-        let one = compared.differences.iter().find(|one| pair_difference(one) == self.wanted)?;
+        let one = compared.differences.iter().find(|one| pair_difference(one) == *wanted)?;
         Some(one.difference.contact.map(|(blocks, _)| blocks.map(|block| block as usize)))
     }
 
     /// Replaces the best step by that of another scene and state, the scene's own where none is given, if it shows the difference.
     fn keep<R: Solve>(&mut self, best: &mut MadeStep<R>, scene: &Scene, state: Option<&State<R>>) -> bool {
-        let made = self.made(scene, state).filter(|made| self.shown(&made.compared).is_some());
+        let made = self.made(scene, state).filter(|made| self.shown(made).is_some());
         made.map(|made| *best = made).is_some()
     }
 
@@ -169,7 +212,7 @@ impl StepShrinker<'_> {
 
     /// Leaves out blocks: all but the two of the difference, or all but these and what is in contact with them.
     fn drop_blocks<R: Solve>(&mut self, best: &mut MadeStep<R>) {
-        let Some(Some(pair)) = self.shown(&best.compared) else { return };
+        let Some(Some(pair)) = self.shown(best) else { return };
         let touching = best.before.contacts.iter().map(|contact| contact.blocks.map(|block| block as usize));
         let touching: Vec<[usize; 2]> =
             touching.filter(|blocks| blocks.iter().any(|block| pair.contains(block))).collect();
@@ -189,12 +232,13 @@ impl StepShrinker<'_> {
     fn recorded<R: Real>(&self, best: &MadeStep<R>) -> Option<StepCase> {
         let compared = &best.compared;
         let intrusions = compared.watched.iter().flat_map(|watched| &watched.attributed).map(run_intrusion);
+        let depth = best.depth.iter().map(DepthDifference::words);
         Some(StepCase {
             format: StepCase::FORMAT.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             engine: self.precision.to_string(),
             step: compared.step,
-            differences: compared.differences.iter().map(run_difference).chain(intrusions).collect(),
+            differences: compared.differences.iter().map(run_difference).chain(intrusions).chain(depth).collect(),
             scene: with_tolerances(&best.scene, &self.set).ok()?,
             state: SavedState::of(&best.before),
             expected: Expected::of_step(compared)?,

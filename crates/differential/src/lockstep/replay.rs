@@ -4,6 +4,7 @@ use crate::lockstep::case_file::{Expected, StepCase, StepCaseError};
 use crate::lockstep::drift::Drift;
 use crate::lockstep::explain::ComparedLinks;
 use crate::lockstep::intrusion::{StepCause, WatchedStep};
+use crate::lockstep::penetration::DepthDifference;
 use crate::lockstep::recorded::{pair_difference, pair_intrusion, run_difference, run_intrusion};
 use crate::lockstep::run::{ComparedStep, Lockstep, LockstepError};
 use rockproof_model::Precision;
@@ -19,6 +20,8 @@ pub struct ReplayedStep {
     pub compared: ComparedStep,
     /// What of the state after it deviates by more than rounding, all decisions being the same.
     pub drift: Option<Drift>,
+    /// How the depths differ, where the case records that they do.
+    pub depth: Option<DepthDifference>,
 }
 
 /// Why the step of a state file cannot be made again.
@@ -39,17 +42,19 @@ pub enum ReplayError {
 }
 
 /// A difference of a step: its cause, and how a case records it, in the words of a campaign and in those of a run.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RecordedDifference {
     /// Why.
     pub cause: StepCause,
     words: [String; 2],
+    depth: Option<DepthDifference>,
 }
 
 impl RecordedDifference {
-    /// Whether a case records it.
+    /// Whether a case records it; of depths, whether it records that they differ as much.
     pub fn is_in(&self, case: &StepCase) -> bool {
-        self.words.iter().any(|words| case.differences.contains(words))
+        let as_deep = |depth: &DepthDifference| recorded_depths(case).any(|recorded| depth.is_as(&recorded));
+        self.words.iter().any(|words| case.differences.contains(words)) || self.depth.as_ref().is_some_and(as_deep)
     }
 
     /// The difference with its blocks.
@@ -75,12 +80,13 @@ impl ReplayedStep {
     }
 
     /// Whether there is anything to be told of it: a difference, a side that cannot make it, a passage or an unseen overlap, a state that
-    /// deviates. A passage that stayed undecided is nothing that was found.
+    /// deviates, depths that differ where the case records that. A passage that stayed undecided is nothing that was found.
     pub fn recurs(&self) -> bool {
         let intrusions =
             |watched: &WatchedStep| [&watched.oracle, &watched.stepper].into_iter().any(|side| !side.found.is_empty());
         let step = &self.compared;
         self.drift.is_some()
+            || self.depth.is_some()
             || !step.differences.is_empty()
             || !step.failure.is_empty()
             || step.watched.as_ref().is_some_and(intrusions)
@@ -100,16 +106,25 @@ impl ReplayedStep {
         Expected::of_step(&self.compared).as_ref() == Some(&case.expected)
     }
 
-    /// What differs between the links of the chain, passages and unseen overlaps among it.
+    /// What differs between the links of the chain, passages, unseen overlaps and recorded depths among it.
     pub fn differences(&self) -> Vec<RecordedDifference> {
         let decisions = self.compared.differences.iter().map(|one| RecordedDifference {
             cause: one.cause.into(),
             words: [pair_difference(one), run_difference(one)],
+            depth: None,
         });
         let watched = self.compared.watched.iter().flat_map(|watched| &watched.attributed);
-        let intrusions = watched
-            .map(|one| RecordedDifference { cause: one.cause, words: [pair_intrusion(one), run_intrusion(one)] });
-        decisions.chain(intrusions).collect()
+        let intrusions = watched.map(|one| RecordedDifference {
+            cause: one.cause,
+            words: [pair_intrusion(one), run_intrusion(one)],
+            depth: None,
+        });
+        let depth = self.depth.iter().map(|one| RecordedDifference {
+            cause: one.cause.into(),
+            words: [one.words(), one.words()],
+            depth: Some(*one),
+        });
+        decisions.chain(intrusions).chain(depth).collect()
     }
 
     /// The first difference with an exact cause that a case records and the step has no more. What an engine's arithmetic does may come to be
@@ -125,6 +140,11 @@ impl ReplayedStep {
 /// The names of causes in which no engine takes part.
 const EXACT: [&str; 4] = ["tolerance", "representation", StepCause::NAMES[0], StepCause::NAMES[1]];
 
+/// How depths differ by what a case records.
+pub fn recorded_depths(case: &StepCase) -> impl Iterator<Item = DepthDifference> + '_ {
+    case.differences.iter().filter_map(|words| DepthDifference::recorded(words))
+}
+
 fn made<R: Solve>(case: &StepCase) -> Result<ReplayedStep, ReplayError> {
     let (scene, set) = case.scene()?;
     let mut lockstep = Lockstep::<R, SpecRules>::new(&scene, &set, case.precision()?, ComparedLinks::All)?;
@@ -135,5 +155,7 @@ fn made<R: Solve>(case: &StepCase) -> Result<ReplayedStep, ReplayError> {
     let before = lockstep.state().clone();
     let compared = lockstep.step().1;
     let drift = lockstep.drift(&before, &compared);
-    Ok(ReplayedStep { compared, drift })
+    let depth = || DepthDifference::of(&scene.shapes(), case.precision().ok()?, &compared, drift.is_some());
+    let depth = recorded_depths(case).next().and_then(|_| depth());
+    Ok(ReplayedStep { compared, drift, depth })
 }
