@@ -73,6 +73,14 @@ pub fn exact_state<R: Real>(state: &State<R>) -> Result<exact::State, NotFinite>
     })
 }
 
+/// [`exact_state`] of the stepper in f64, compiled here: a caller with less optimisation of its own would compile it several times as slow.
+///
+/// # Errors
+/// When a number is not finite.
+pub fn exact_state_of_f64(state: &State<f64>) -> Result<exact::State, NotFinite> {
+    exact_state(state)
+}
+
 /// The state whose numbers are those of `state` rounded to nearest; times stay as they are. `None` where a number is beyond the precision.
 pub fn rounded_state(state: &exact::State, precision: Precision) -> Option<exact::State> {
     let number = |value: &Number| Number::from_f64(value.rounded(precision)?).ok();
