@@ -50,8 +50,14 @@ impl WideBall {
     /// The values of a ball of two f64 times `2^exponent`; `None` where the ball knows nothing: its radius is infinite, or a part is no number.
     pub(crate) fn of_double(ball: &DoubleBall, exponent: i64, bits: u32) -> Option<WideBall> {
         let radius = Field::radius(ball)?;
-        let sum = WideBall::of_f64(ball.high, bits).plus(&WideBall::of_f64(ball.low, bits)).widened(radius);
+        let sum = WideBall::of_parts(ball, bits)?.widened(radius);
         Some(WideBall { exponent: sum.exponent + exponent, radius: sum.radius.shifted(exponent), ..sum })
+    }
+
+    /// The sum of both parts of a ball of two f64 without its radius: what is cut of the sum is in the result's. `None` where a part is no number.
+    pub(crate) fn of_parts(ball: &DoubleBall, bits: u32) -> Option<WideBall> {
+        let part = |value: f64| value.is_finite().then(|| WideBall::of_f64(value, bits));
+        Some(part(ball.high)?.plus(&part(ball.low)?))
     }
 
     /// The values times `2^exponent` in a ball of two f64, with an infinite radius where f64 does not reach.

@@ -9,7 +9,6 @@ use super::system::{StepNumber, StepSupport, StiffnessBound, stiffness};
 use crate::field::{DoubleBall, WideBall};
 use crate::number::Ball;
 use num_rational::BigRational;
-use rockproof_model::Ring;
 use std::rc::Rc;
 
 /// Bits of the wide levels; fractions stand between the second and the third.
@@ -289,10 +288,7 @@ impl<'a> Cascade<'a> {
     /// A level caught up, beginning each solve with what the widest type below it has found.
     fn wider(&self, mut level: Level<'a, WideBall>, bits: u32) -> Level<'a, WideBall> {
         let below = WIDE_BITS.iter().filter(|&&known| known < bits).count();
-        let near = |x: &DoubleBall| {
-            let part = |value: f64| value.is_finite().then(|| WideBall::of_f64(value, bits));
-            Some(part(x.high)?.plus(&part(x.low)?).without_radius())
-        };
+        let near = |x: &DoubleBall| Some(WideBall::of_parts(x, bits)?.without_radius());
         let start = |solve| {
             let mut wide = self.wide[..below].iter().rev();
             let found = wide.find_map(|level| level.found(solve, |x| Some(x.with_bits(bits))));
