@@ -84,6 +84,12 @@ impl StepDecisions {
         }
     }
 
+    /// Whether those of two sides that are known are without a contact; no where neither is.
+    pub(super) fn are_without_contacts(sides: [&Option<StepDecisions>; 2]) -> bool {
+        let mut known = sides.into_iter().flatten().peekable();
+        known.peek().is_some() && known.all(|decisions| decisions.contacts.is_empty())
+    }
+
     /// Solves of the accepted attempt.
     pub fn iterations(&self) -> usize {
         self.modes.len()
@@ -227,4 +233,34 @@ fn contact_differences(before: &StepDecisions, after: &StepDecisions, blocks: &[
 pub fn described(contact: &Contact) -> String {
     let gap = ["overlap", "touch", "apart"][(contact.gap.as_i8() + 1).clamp(0, 2) as usize];
     format!("{} by {} {gap}", contact.key, contact.entrance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockproof_model::{ContactKey, Entrance, FaceId, Sign, VertexId};
+
+    #[test]
+    fn a_step_that_no_side_made_is_not_said_to_touch_nothing() {
+        let (vertex, face) = (VertexId(0), FaceId(0));
+        let contact = Contact {
+            key: ContactKey::VertexFace(vertex, face),
+            entrance: Entrance::VertexFace(vertex, face),
+            gap: Sign::Zero,
+        };
+        let with = |contacts| {
+            Some(StepDecisions { contacts, modes: Vec::new(), converged: true, retries: Vec::new(), time_step: 1.0 })
+        };
+        let (apart, touching) = (with(Vec::new()), with(vec![([0, 1], contact)]));
+        for (sides, none) in [
+            ([&apart, &apart], true),
+            ([&apart, &None], true),
+            ([&None, &apart], true),
+            ([&apart, &touching], false),
+            ([&touching, &None], false),
+            ([&None, &None], false),
+        ] {
+            assert_eq!(StepDecisions::are_without_contacts(sides), none, "{sides:?}");
+        }
+    }
 }

@@ -72,10 +72,9 @@ impl ComparedStep {
         self.differences.iter().filter(|attributed| attributed.cause == cause).count()
     }
 
-    /// Whether neither side found a contact, so that nothing but falling was compared.
+    /// Whether neither side found a contact, so that nothing but falling was compared. Of a step that no side made that is not known: it says no.
     pub fn has_no_contacts(&self) -> bool {
-        let sides = [&self.stepper, &self.oracle];
-        sides.into_iter().flatten().all(|decisions| decisions.contacts.is_empty())
+        StepDecisions::are_without_contacts([&self.stepper, &self.oracle])
     }
 
     /// Whether the stepper differs from its exact counterpart.
