@@ -11,7 +11,7 @@
 use rockproof_campaign::config::CampaignConfig;
 use rockproof_campaign::source;
 use rockproof_differential::collision::separation::Separation;
-use rockproof_model::{Block, BlockOptions, Contact, Number, ToleranceSet, ToleranceSpec};
+use rockproof_model::{Block, BlockOptions, Contact, Number, ToleranceSet};
 use rockproof_oracle::penetration::penetration;
 use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_pairs::batch::PairCase;
@@ -24,7 +24,7 @@ use std::fs;
 use std::path::Path;
 
 /// The version of the format and of the pairs: another one is another benchmark.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// How many pairs.
 const PAIRS: usize = 2000;
 /// The seed of the campaign that makes them.
@@ -69,7 +69,7 @@ fn lines() -> Result<Vec<String>, Box<dyn Error>> {
     let mut cells: BTreeMap<(&str, &str), Vec<(u64, Value)>> = BTreeMap::new();
     for case in (0..MAX_BATCHES).flat_map(|number| source.cases(number)) {
         let tolerances = case.sets[0].f64.clone();
-        if !can_be_given(&tolerances) || ![&case.a, &case.b].into_iter().all(stands_for_itself) {
+        if ![&case.a, &case.b].into_iter().all(stands_for_itself) {
             continue;
         }
         let (a, b) = (PreparedBlock::new(&case.a), PreparedBlock::new(&case.b));
@@ -86,7 +86,11 @@ fn lines() -> Result<Vec<String>, Box<dyn Error>> {
             && let Some(mut answer) = answers(&case, &tolerances, &pair, &contacts)
         {
             answer["difficulty"] = difficulty.into();
-            cell.push((case.index, answer));
+            // Steps may round to the same number, so that a campaign has the same pair again.
+            let same = |other: &Value| ["a", "b", "tolerances"].iter().all(|&key| other[key] == answer[key]);
+            if !cell.iter().any(|(_, other)| same(other)) {
+                cell.push((case.index, answer));
+            }
         }
     }
     Ok(chosen(cells).into_iter().map(|pair| pair.to_string()).collect())
@@ -96,12 +100,6 @@ fn lines() -> Result<Vec<String>, Box<dyn Error>> {
 fn stands_for_itself(block: &Block) -> bool {
     let again = || Block::new(block.vertices().to_vec(), block.topology().faces().to_vec(), &BlockOptions::default());
     block.vertices().len() <= MAX_VERTICES && again().is_ok_and(|again| again == *block)
-}
-
-/// Whether somebody could ask for these tolerances: a ladder goes beyond, to sines above 1.
-fn can_be_given(tolerances: &ToleranceSet) -> bool {
-    let mut spec = ToleranceSpec::empty();
-    tolerances.numbers().into_iter().all(|(name, number)| spec.set_number(name, number.clone()).is_ok())
 }
 
 fn difficulty(case: &PairCase, tolerances: &ToleranceSet, exact: &[Contact]) -> &'static str {

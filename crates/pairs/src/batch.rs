@@ -313,10 +313,9 @@ impl PairVariants<'_, '_, '_> {
         })?;
         let variants = self.rungs(precision, room);
         let cases = variants.into_iter().filter_map(|rung| {
-            let (rung, (value, margin)) = match critical.at(rung) {
-                None => (Rung::Steps(precision, 0), critical.at(Rung::Steps(precision, 0))?),
-                Some(place) => (rung, place),
-            };
+            // Where the tolerance may not be so large the rung is on the other side; an exact tie that is irrational is rounded.
+            let rungs = [rung, rung.mirrored(), Rung::Steps(precision, 0)];
+            let (rung, (value, margin)) = rungs.into_iter().find_map(|rung| Some((rung, critical.at(rung)?)))?;
             let changed = NamedSet {
                 name: format!("{}:{}", set.name, critical.tolerance).into(),
                 f32: critical.applied(&set.f32, &value),

@@ -77,6 +77,17 @@ pub enum Rung {
     Permille(i32),
 }
 
+impl Rung {
+    /// The rung as far to the other side.
+    pub(crate) fn mirrored(self) -> Rung {
+        match self {
+            Rung::Exact => Rung::Exact,
+            Rung::Steps(precision, steps) => Rung::Steps(precision, -steps),
+            Rung::Permille(share) => Rung::Permille(-share),
+        }
+    }
+}
+
 /// The share of r by which a true exit may dip.
 const TRUE_EXIT: f64 = 0.1;
 

@@ -16,6 +16,7 @@ use num_traits::Signed;
 use rockproof_model::decision::{Decision, Side};
 use rockproof_model::number::round_rational;
 use rockproof_model::ring::ExactRing;
+use rockproof_model::tolerance_spec::ToleranceSpec;
 use rockproof_model::{Block, EdgeId, FaceId, Number, Precision, Sign, ToleranceSet};
 use std::rc::Rc;
 
@@ -66,8 +67,8 @@ impl Critical {
     }
 
     /// The tolerance's value at a rung, and the margin there: positive where the answer is yes with room to spare.
-    /// `None` where the rung asks for an exact tie and the critical value is irrational, or where the value would be
-    /// negative or overflow.
+    /// `None` where the rung asks for an exact tie and the critical value is irrational, or where the tolerance may not
+    /// have the value.
     pub fn at(&self, rung: Rung) -> Option<(Number, Sign)> {
         let value = match rung {
             Rung::Exact => return self.exact.then(|| (self.value.clone(), Sign::Zero)),
@@ -77,10 +78,8 @@ impl Critical {
             }
             Rung::Permille(share) => self.value.approximate() * (1000.0 + f64::from(share)) / 1000.0,
         };
-        if value < 0.0 {
-            return None;
-        }
         let value = Number::from_f64(value).ok()?;
+        ToleranceSpec::empty().set_number(self.tolerance, value.clone()).ok()?;
         let square = value.to_rational().pow(2);
         Some((value, (square - &self.squared).sign()))
     }
@@ -186,6 +185,20 @@ mod tests {
     #[test]
     fn what_is_kept_is_what_would_be_worked_out() {
         keeps_what_would_be_worked_out(4);
+    }
+
+    /// Edges at right angles have a sine of 1, the largest that there is.
+    #[test]
+    fn rungs_stay_within_what_a_tolerance_may_be() {
+        let edges = Decision::about(rockproof_model::decision::Predicate::NearlyParallel, &[]);
+        let one = BigRational::from_integer(1.into());
+        let critical = |tolerance| Critical::new(edges, tolerance, one.clone()).expect("a value");
+        for above in [Rung::Permille(1), Rung::Steps(Precision::F64, 1), Rung::Steps(Precision::F32, 1 << 14)] {
+            assert_eq!(critical("parallel_sine").at(above), None, "{above:?}");
+            assert!(critical("search").at(above).is_some(), "a length may be above 1 m");
+            assert!(critical("parallel_sine").at(above.mirrored()).is_some(), "{above:?}");
+        }
+        assert_eq!(critical("search").at(Rung::Permille(-1001)), None, "no length is negative");
     }
 
     #[test]

@@ -46,7 +46,7 @@ def test_its_answers_come_out_again(pairs):
 
 def test_a_pair_worked_out_by_hand(tmp_path):
     line = (
-        '{"version":2,"id":0,"family":"x","form":"base","difficulty":"f32","tolerances":{"search":"1/3"},'
+        '{"version":3,"id":0,"family":"x","form":"base","difficulty":"f32","tolerances":{"search":"1/3"},'
         '"a":{"vertices":[["0","0","0"],["1","0","0"],["0","1","0"],["0","0","1/3"]],"faces":[[0,2,1],[0,1,3],[1,2,3],[0,3,2]]},'
         '"b":{"vertices":[["0","0","1"],["1","0","1"],["0","1","1"],["0","0","4/3"]],"faces":[[0,2,1],[0,1,3],[1,2,3],[0,3,2]]},'
         '"contacts":[],"separation":{"state":"apart","gap_squared":"4/9"},"penetration":{"depth_squared":"0"}}\n'
@@ -57,7 +57,7 @@ def test_a_pair_worked_out_by_hand(tmp_path):
     assert pair.separation_squared == Fraction(4, 9) == rockproof.separation(pair.a, pair.b).gap_squared
     assert pair.tolerances["search"] == Fraction(1, 3) and pair.tolerances.preset is None
     for broken, told in [
-        (line.replace('"version":2', '"version":9'), "set.jsonl:1: version is 9; read is 2"),
+        (line.replace('"version":3', '"version":9'), "set.jsonl:1: version is 9; read is 3"),
         (line.replace('"4/9"', '"x"'), "set.jsonl:1: "),
         (line.replace('"faces":[[0,2,1]', '"faces":[[0,2,9]', 1), "set.jsonl:1: "),
         (line.replace('"penetration"', '"depth"'), "set.jsonl:1: there is no 'penetration'"),

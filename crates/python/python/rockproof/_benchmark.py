@@ -12,7 +12,7 @@ from typing import Any
 from . import _native
 
 #: The version of the format that `benchmark` reads.
-BENCHMARK_VERSION = 2
+BENCHMARK_VERSION = 3
 
 
 @dataclass(frozen=True)
