@@ -226,3 +226,14 @@ fn a_case_about_depths_is_held_to_its_depths() {
         assert_eq!(out.contains("nor what the case records: arithmetic deeper: "), !passes, "{code} {out}{err}");
     }
 }
+
+/// The depth of blocks that are not convex jumps by its definition: that the same step by the same decisions ends in another one says nothing.
+#[test]
+fn depths_of_concave_blocks_are_no_finding_where_no_decision_differs() {
+    let place = Place::new();
+    let (rows, _) = depths(&place, "concave_notch", "3");
+    assert!(
+        rows.iter().all(|row| ["iteration", "classification"].iter().any(|effect| row.contains(effect))),
+        "{rows:?}"
+    );
+}

@@ -103,8 +103,7 @@ struct ShownStep {
 impl ShownStep {
     /// How the depths after it differ.
     fn depth(&self, precision: Precision) -> Option<DepthDifference> {
-        let ShownStep { subject, made, .. } = self;
-        DepthDifference::of(&[&subject.a, &subject.b], precision, &made.compared, made.drift.is_some())
+        self.made.depth_difference(&self.subject, precision)
     }
 
     /// Makes the blocks smaller for as long as `again` makes a step that shows the finding; at most so many are made.

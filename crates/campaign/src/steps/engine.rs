@@ -1,6 +1,7 @@
 //! What makes the steps of a campaign: the stepper beside the oracle, in f32 or f64.
 
 use rockproof_differential::collapse::collapsed_feature;
+use rockproof_differential::lockstep::penetration::DepthDifference;
 use rockproof_differential::lockstep::{ComparedLinks, ComparedStep, DriftQuantity, Lockstep};
 use rockproof_differential::motion::PairMotion;
 use rockproof_differential::subject::{NamedSet, Subject};
@@ -23,6 +24,13 @@ pub struct ComparedPairStep {
     pub modes: [u64; 3],
     /// Contacts that, exactly, chattered: closed after one solve and open after another of the accepted attempt.
     pub chattering: u64,
+}
+
+impl ComparedPairStep {
+    /// How the penetrations after it differ, if by more than rounding.
+    pub fn depth_difference(&self, subject: &Subject, precision: Precision) -> Option<DepthDifference> {
+        DepthDifference::of(&[&subject.a, &subject.b], precision, &self.compared, self.drift.is_some())
+    }
 }
 
 /// Something that makes steps beside the oracle.

@@ -47,9 +47,7 @@ pub fn examine(subject: &Subject, motion: &PairMotion, engines: &[Box<dyn StepEn
             match steps {
                 Ok(Ok(steps)) => {
                     for made in &steps {
-                        let blocks = [&subject.a, &subject.b];
-                        let depth =
-                            DepthDifference::of(&blocks, engine.precision(), &made.compared, made.drift.is_some());
+                        let depth = made.depth_difference(subject, engine.precision());
                         all.summary.add_step(&place, made, depth.as_ref().map(StepChange::of_depth), half);
                         findings_of_step(subject, set, &**engine, (made, depth), &mut all.findings);
                     }
