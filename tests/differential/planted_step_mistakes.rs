@@ -159,6 +159,19 @@ fn cases() -> Vec<Case> {
         ["1", "0", "-10"],
         6,
     ));
+    // Touching plates above and below exactly, pressed by nothing.
+    let mut sideways = case(
+        "touches, weightless",
+        vec![
+            floor(),
+            cuboid(["0", "0", "0"], ["1", "1", "1"], Motion::Rigid),
+            cuboid(["-4", "-4", "1"], ["4", "4", "2"], Motion::Fixed),
+        ],
+        ["0", "0", "0"],
+        2,
+    );
+    sideways.scene.blocks[1].body.velocity = v(["0.25", "0", "0"]);
+    all.push(sideways);
     // Overlapping by more than `penetration`, and apart by more than it.
     all.push(case(
         "deep",

@@ -36,7 +36,9 @@ impl StepDecision for NextMode {
         let gap = values.gap(solve, k)?;
         // Homogeneous in |N|: squares are compared, so no root is taken.
         let square = gap.squared();
-        if square.minus(&values.limits.equal.times(&contact.gap.squared())).certain_sign()?.is_at_most_zero() {
+        let kept = square.minus(&values.limits.equal.times(&contact.gap.squared())).certain_sign()?.is_at_most_zero();
+        // A gap of 0 that stays 0 bears no force, so that shear decides.
+        if kept && !contact.gap.certain_sign()?.is_zero() {
             return Some(self.mode);
         }
         let beyond = |square: &S, limit: &S| {

@@ -16,7 +16,7 @@ use rockproof_model::Contact;
 /// magnitudes of its terms, **0 at a tie**. `None` where all terms are zero, or where balls of two f64 do not reach.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModeMargin {
-    /// Of Eq. (1), h² against ε²·h0²; at most zero keeps the mode.
+    /// Of Eq. (1), h² against ε²·h0²; at most zero keeps the mode. `None` of a gap of 0 that stays 0: it keeps none.
     pub equal: Option<f64>,
     /// Of the gap against the distance at which an open contact closes, or a closed one opens; positive is further open. The gap's terms
     /// are the one before the step and its change.

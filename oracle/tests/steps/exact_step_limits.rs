@@ -58,6 +58,24 @@ fn a_gap_that_changes_its_sign_alone_keeps_the_mode() {
     assert_ne!(mode_after(&scene), Mode::Open);
 }
 
+/// Of a gap of 0 that stays 0 nothing presses: what moves along it slides freely, whatever friction is, and what does not stays locked.
+#[test]
+fn a_block_that_moves_between_walls_it_touches_is_not_held() {
+    for (friction, velocity, expected) in
+        [("0", "1", Mode::Sliding), ("1/2", "1", Mode::Sliding), ("0", "0", Mode::Locked)]
+    {
+        let wall = |low, high| (cuboid(["-4", "-4", low], ["4", "4", high]), Motion::Fixed);
+        let block = (cuboid(["0", "0", "0"], ["1", "1", "1"]), Motion::Rigid);
+        let mut scene = Scene::new(vec![wall("-4", "0"), block, wall("1", "4")], friction, ["0", "0", "0"]);
+        scene.bodies[1].velocity = point([velocity, "0", "0"]);
+        let answer = scene.step(&scene.start(), KeptPrecision::Exact);
+        assert!(answer.contacts.len() == 8 && answer.converged, "{:?}", answer.contacts);
+        assert_eq!(answer.modes.last().expect("a solve"), &[expected; 8], "tan φ {friction}, {velocity} m/s");
+        let moved = answer.state.blocks[1].vertices[0].x.to_rational();
+        assert_eq!(moved * BigInt::from(100), number(velocity).to_rational(), "nothing holds it");
+    }
+}
+
 /// The margins of the first corner after the first solve.
 fn first_margin(scene: &Scene) -> ModeMargin {
     let shapes: Vec<_> = scene.blocks.iter().collect();

@@ -38,9 +38,10 @@ pub trait StepRules: ContactRules {
         if gap <= R::ZERO { Mode::Locked } else { Mode::Open }
     }
 
-    /// Eq. (1): the gap after the solve is too small against the one before to judge by. **A tie keeps the mode.**
+    /// Eq. (1): the gap after the solve is too small against the one before to judge by. **A tie keeps the mode**, but not of a gap of 0 that stays 0:
+    /// blocks that touch without a force would hold one another by any shear (docs/decisions.md).
     fn keeps_mode<R: Real>(gap: R, gap_before: R, equal: R) -> bool {
-        gap.abs() <= equal * gap_before.abs()
+        gap_before.abs() > R::ZERO && gap.abs() <= equal * gap_before.abs()
     }
 
     /// An open contact closes. **A tie stays open.**

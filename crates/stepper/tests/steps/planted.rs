@@ -30,6 +30,11 @@ fn own_scenes() -> Vec<(&'static str, Scene, ToleranceSet)> {
     let mut damped = scene(vec![floor(), cuboid("block", ["0", "0", "3/4"], ["1", "3/2", "7/4"], Motion::Rigid)]);
     damped.blocks[1].body.velocity = v("1", "0", "-12");
     damped.simulation.control.damping = n("16");
+    // Between plates that it touches nothing turns it.
+    let ceiling = cuboid("ceiling", ["-8", "-8", "1"], ["8", "8", "2"], Motion::Fixed);
+    let mut sideways = scene(vec![floor(), block("0"), ceiling]);
+    sideways.simulation.gravity = v("0", "0", "0");
+    sideways.blocks[1].body.velocity = v("1/4", "0", "0");
     let tolerant =
         |equal: &str| ToleranceSet { open: n("1/1024"), close: n("1/1024"), equal: n(equal), ..tolerances() };
     vec![
@@ -37,6 +42,7 @@ fn own_scenes() -> Vec<(&'static str, Scene, ToleranceSet)> {
         ("open and close", dull.clone(), tolerant("0")),
         ("equal", dull, tolerant("1/4")),
         ("damped", damped, tolerances()),
+        ("touching, weightless and moving sideways", sideways, tolerances()),
         locking_and_sliding(),
         steep_dominoes(),
     ]

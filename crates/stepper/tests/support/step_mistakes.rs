@@ -51,6 +51,7 @@ mistakes! {
     PullPresses "a gap presses as an overlap does",
     EqualAbsolute "Eq. (1): absolute",
     EqualForgotten "Eq. (1) is forgotten",
+    EqualHoldsTouching "Eq. (1) keeps the mode of a gap of 0 that stays 0",
     UnsquaredStrength "the squared force is compared with the strength itself",
     AnchorStays "the anchor of a sliding contact stays behind",
     MemoryLost "contacts forget mode and anchor",
@@ -103,7 +104,8 @@ impl StepRules for Mistaken {
     }
     fn keeps_mode<R: Real>(gap: R, gap_before: R, equal: R) -> bool {
         let limit = if planted(EqualAbsolute) { equal } else { equal * gap_before.abs() };
-        gap.abs() <= limit && !planted(EqualForgotten)
+        let touching = gap_before.abs() <= R::ZERO && !planted(EqualHoldsTouching) && !planted(EqualAbsolute);
+        gap.abs() <= limit && !touching && !planted(EqualForgotten)
     }
     fn closes<R: Real>(gap: R, close: R) -> bool {
         gap < if planted(ClosesAtOnce) { R::ZERO } else { -close }
