@@ -224,6 +224,8 @@ struct KnownOfBlocks {
     standstill: Option<(Standstill, Precision)>,
     /// Whether blocks that turn grow (`kinematics = "linear"`).
     is_linear: bool,
+    /// The rules that it was run in spite of, as formulas.
+    violated: Value,
 }
 
 /// What a run begins with.
@@ -378,6 +380,7 @@ impl Simulate {
 
     fn go<R: Solve>(&self, engine: &str, ready: PreparedRun) -> Outcome {
         let PreparedRun { scene, set, plan, about, overlaps } = ready;
+        let violated = about.get("violated").cloned().unwrap_or_default();
         // What can be wrong by now is a number that overflows where it is rounded, most often a tolerance.
         let file = || self.tolerances.place(self.scene.path());
         let mut dynamics = Dynamics::<R>::new(&scene, &set).with_context(file)?;
@@ -453,7 +456,7 @@ impl Simulate {
         let stretch = Stretch::of(&scene, &begin, stepping.state());
         let is_linear = scene.simulation.control.kinematics == Kinematics::Linear;
         let standstill = standstill.and_then(|watch| Some((watch.found()?, precision)));
-        let known = KnownOfBlocks { overlaps, volume, stretch, standstill, is_linear };
+        let known = KnownOfBlocks { overlaps, volume, stretch, standstill, is_linear, violated };
         self.format.print(
             || summary(&record, stepping.state(), &ending, &known),
             || document(&record, stepping.state(), &ending, &known),
@@ -702,6 +705,8 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
         "iterations": totals.iterations,
         "most_iterations": totals.most_iterations,
         "unconverged": totals.unconverged,
+        "friction_not_settled": (totals.unsettled > 0).then(|| json!({ "steps": totals.unsettled, "worst_share": totals.friction_left.value.0, "worst_step": totals.friction_left.step })),
+        "rules_violated": known.violated,
         "retries": retries.collect::<Map<String, Value>>(),
         "contacts": { "open": open, "sliding": sliding, "locked": locked },
         "deepest_contact_m": extreme(totals.deepest),
@@ -766,6 +771,9 @@ fn write_summary<R: Real>(
     let mean = totals.iterations as f64 / all.max(1) as f64;
     writeln!(out, "iterations       {mean:.2} a step, at most {}", totals.most_iterations)?;
     writeln!(out, "unconverged      {}", counted(totals.unconverged, "step", "steps"))?;
+    if let Some(sentence) = totals.unsettled_in_words() {
+        writeln!(out, "friction         {sentence}")?;
+    }
     let retries: Vec<String> =
         totals.retries_by_reason().iter().map(|(why, count)| format!("{} {why}", grouped(*count))).collect();
     writeln!(out, "retries          {}", retries.join(", "))?;

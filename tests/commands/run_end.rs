@@ -241,6 +241,58 @@ fn a_block_that_is_too_slow_for_f32_is_told() {
     assert_eq!(told("rest.toml", "stepper-f32"), None);
 }
 
+/// A contact that slides holds a block along its normal alone.
+#[test]
+fn a_block_that_slides_too_slowly_for_f32_is_told() {
+    let place = Place::new();
+    let text = "[simulation]\ngravity = [0, 0, -10]\ntime_step = 0.0001\nsteps = 200\nsettle = 20\n[[joint]]\nfriction = 0\nnormal_stiffness = 1e9\n\
+         [[block]]\nfixed = true\nbox = { min = [597, 598, 599], max = [603, 602, 600] }\n\
+         [[block]]\nmotion = \"rigid\"\nvelocity = [0.25, 0, 0]\nbox = { min = [600, 600, 600], max = [601, 601, 601] }\n";
+    place.file("ice.toml", text);
+    let told = |name: &str| {
+        let tolerances = ["--set", "open=1e-6", "--set", "close=1e-6", "--out", "run", "--overwrite"];
+        let (code, out, err) = place.run(&[&["simulate", name, "--engine", "stepper-f32"][..], &tolerances].concat());
+        assert_eq!(code, 0, "{out}{err}");
+        line_of(&out, "standing still")
+    };
+    // Half of a last place at 600 m is 30.5 µm, a step 25 µm: after 200 of them 5 mm are missing.
+    let expected = "block 1 stood still along x from step 1 on at a speed of 0.2500 m/s, and is 0.0050 m behind";
+    let found = told("ice.toml").unwrap_or_default();
+    assert!(found.starts_with(expected), "{found}");
+    // What friction holds is at rest.
+    let rough = text.replace("friction = 0", "friction = 1").replace("velocity = [0.25, 0, 0]\n", "");
+    place.file("rough.toml", &rough);
+    assert_eq!(told("rough.toml"), None);
+}
+
+/// A wedge that friction lets slide, with a time step in which the forces of friction change from solve to solve to the last.
+#[test]
+fn friction_that_does_not_settle_is_told_and_makes_nothing_safe() {
+    let place = Place::new();
+    let wedge = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/wedge.toml"));
+    let wedge = wedge.expect("a scene").replace("friction = \"21/88\"", "friction = 0.3");
+    place.file("short.toml", &wedge);
+    place.file("long.toml", &wedge.replace("time_step = \"1/100\"", "time_step = 0.3"));
+    let (code, out, err) = place.run(&["simulate", "long.toml", "--steps", "3", "--out", "long"]);
+    let told = line_of(&out, "friction").unwrap_or_default();
+    assert!(code == 0 && told.starts_with("not settled in 1 step (in step 1 by 25 % of the forces"), "{out}{err}");
+    let (_, out, err) = place.run(&["simulate", "long.toml", "--steps", "3", "--out", "json", "--format", "json"]);
+    let document: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|why| panic!("{why} {err}"));
+    let unsettled = &document["friction_not_settled"];
+    assert!(unsettled["steps"] == 1 && unsettled["worst_step"] == 1, "{unsettled}");
+    assert_eq!((&document["unconverged"], &document["rules_violated"]), (&0.into(), &serde_json::json!([])));
+    let (code, out, err) = place.run(&["report", "long", "--format", "markdown"]);
+    assert!(code == 0 && out.contains("long: friction not settled in 1 step"), "{out}{err}");
+    let examine = |name| place.run(&["examine", name, "--no-tune", "--out", "examined", "--overwrite"]);
+    let (code, out, err) = examine("long.toml");
+    assert!(code != 0 && out.starts_with("not decided: friction does not settle in a step"), "{out}{err}");
+    assert!(out.contains(" made after 20 of settling, friction not settled in 1 of them"), "{out}");
+    let (_, out, err) = place.run(&["simulate", "short.toml", "--steps", "3", "--out", "short"]);
+    assert!(line_of(&out, "friction").is_none() && out.contains("\nunconverged "), "{out}{err}");
+    let (code, out, err) = examine("short.toml");
+    assert!(code == 0 && out.starts_with("safe"), "{out}{err}");
+}
+
 #[test]
 fn a_block_that_shear_strains_is_told_though_its_volume_stays() {
     let place = Place::new();

@@ -111,6 +111,7 @@ impl Stepping<f64> for StandIn {
             time_step: 0.01,
             iterations: 2,
             converged: step != 5,
+            friction_left: 0.0,
             retries: retries.repeat((step % 4 == 3) as usize),
             contacts,
             max_penetration: 1e-9 / 3.0,

@@ -90,7 +90,8 @@ impl Assessment {
 
     /// Whether nothing is wrong with the model under this set, something was tried, and what is wrong could have been seen.
     pub fn is_safe(&self, precision: Precision) -> bool {
-        self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.may_see_all() && !self.steps.end_deep()
+        let are_right = !self.steps.end_deep() && !self.steps.lose_friction();
+        self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.may_see_all() && are_right
     }
 
     /// Whether nothing in the tolerances keeps what is wrong from being seen in a few steps, or at all.

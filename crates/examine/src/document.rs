@@ -91,6 +91,7 @@ fn steps(steps: &Steps) -> Value {
                 "asked": made.asked,
                 "held": made.held.sentence(),
                 "unconverged": made.unconverged,
+                "friction_not_settled": made.unsettled,
                 "stopped": made.stopped,
                 "passages": pairs(&made.passages),
                 "unseen": pairs(&made.unseen),

@@ -5,7 +5,7 @@ use crate::pressed_springs::{PressedSpring, after_settling};
 use crate::progress::WorkProgress;
 use crate::step_audit::AuditedRun;
 use rockproof_model::{Precision, Scene, ToleranceSet};
-use rockproof_simulate::{AuditScope, AuditTotals, PairDepth, Stepping};
+use rockproof_simulate::{AuditScope, AuditTotals, PairDepth, Stepping, Totals};
 use rockproof_stepper::contact::SpecRules;
 use rockproof_stepper::dynamics::{Dynamics, Mode, Solve};
 use rockproof_tune::{ClusterSupport, hold_lowest};
@@ -34,6 +34,8 @@ pub struct AuditedSteps {
     pub stopped: Option<String>,
     /// Steps that were taken though their iteration had not converged.
     pub unconverged: u64,
+    /// Steps that count as converged though friction had not settled ([`Totals::unsettled`]).
+    pub unsettled: u64,
     /// Whether contacts were closed in any step, or while blocks settled.
     pub touched: bool,
     /// The springs that overlapped where settling ended; empty where nothing settles.
@@ -60,6 +62,11 @@ impl Steps {
     /// Whether blocks passed through one another or were about to, or the steps could not be made.
     pub fn find_fault(&self) -> bool {
         self.made().is_some_and(|made| made.stopped.is_some() || made.totals.finds_fault())
+    }
+
+    /// Whether friction had not settled in some step, so that blocks moved otherwise than it lets them.
+    pub fn lose_friction(&self) -> bool {
+        self.made().is_some_and(|made| made.unsettled > 0)
     }
 
     /// Whether blocks overlap deeper than `penetration` after some step: held only by contacts that were closed before, and lost once one opens.
@@ -107,6 +114,7 @@ fn make_in<R: Solve>(
         held,
         stopped: None,
         unconverged: 0,
+        unsettled: 0,
         touched: false,
         settled: Vec::new(),
         totals: AuditTotals::default(),
@@ -139,6 +147,7 @@ fn make_in<R: Solve>(
                     deepen(&mut found.explained, &audit.explained);
                 }
                 found.unconverged += u64::from(report.step > 0 && !report.converged);
+                found.unsettled += u64::from(report.step > 0 && report.friction_left > Totals::FRICTION_LEFT);
                 let state = run.state();
                 found.made = state.step;
                 if report.step <= 0 && state.settling == 0 {

@@ -191,6 +191,12 @@ fn reasons(found: &Examination, units: bool) -> String {
     if given.steps.end_deep() && !given.steps.find_fault() {
         said.push("blocks overlap deeper than penetration after steps, held only by contacts closed before".to_owned());
     }
+    if given.steps.lose_friction() {
+        said.push(
+            "friction does not settle in a step, so that blocks move otherwise than it lets them: a shorter time_step, or softer springs"
+                .to_owned(),
+        );
+    }
     said.extend(given.warnings.iter().map(|warning| warning.kind.title().to_owned()));
     said.extend(given.stored.first().map(|worst| worst.sentence(scene)));
     said.extend(given.bare_edges.first().map(|first| first.sentence(scene)));
@@ -300,7 +306,8 @@ fn steps(given: &Assessment) -> Line {
         Steps::Made(made) => made,
     };
     let explained = made.totals.steps_explained;
-    let is_good = given.tries_contacts() && made.unconverged == 0 && explained == 0 && !given.steps.end_deep();
+    let is_settled = made.unconverged == 0 && made.unsettled == 0;
+    let is_good = given.tries_contacts() && is_settled && explained == 0 && !given.steps.end_deep();
     let severity = match (given.steps.find_fault(), is_good) {
         (true, _) => Severity::Bad,
         (false, true) => Severity::Good,
@@ -311,13 +318,17 @@ fn steps(given: &Assessment) -> Line {
         0 => String::new(),
         count => format!(", {count} of them taken though the iteration had not converged"),
     };
+    let unsettled = match made.unsettled {
+        0 => String::new(),
+        count => format!(", friction not settled in {count} of them"),
+    };
     let (held, totals) = (made.held.sentence(), made.totals.sentence());
     // The audit counts them too.
     let settling = match made.totals.steps.saturating_sub(made.made) {
         0 => String::new(),
         count => format!(" after {} of settling", grouped(count)),
     };
-    let text = format!("{} made{settling}{ended}{unconverged}, {held}: {totals}", made.made);
+    let text = format!("{} made{settling}{ended}{unconverged}{unsettled}, {held}: {totals}", made.made);
     line("steps", severity, text)
 }
 

@@ -146,6 +146,7 @@ impl Stepping<f64> for Given {
             time_step: 0.01,
             iterations: 1,
             converged: true,
+            friction_left: 0.0,
             retries: Vec::new(),
             contacts: [[0; 3]; 6],
             max_penetration: 0.0,

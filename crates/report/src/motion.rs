@@ -38,6 +38,8 @@ pub struct MotionRun {
     pub time_s: f64,
     /// Why it could not go on; empty where it could.
     pub reason: String,
+    /// The rules that its tolerances violate, as formulas: it was run by force.
+    pub violated: Vec<String>,
     /// Sums over its steps.
     pub totals: Totals,
     /// Why blocks passed through one another or overlapped unseen, of the worst; empty where none did or nobody looked.
@@ -54,6 +56,8 @@ struct RunFile {
     time_s: f64,
     stopped: Option<StoppedBy>,
     unproved: Option<String>,
+    #[serde(default)]
+    violated: Vec<String>,
     totals: Totals,
 }
 
@@ -64,7 +68,7 @@ struct StoppedBy {
 
 impl MotionRun {
     pub(super) fn read(dir: &Path) -> Result<MotionRun, ReportError> {
-        let RunFile { engine, ending, steps_asked, time_asked_s, time_s, stopped, unproved, totals } =
+        let RunFile { engine, ending, steps_asked, time_asked_s, time_s, stopped, unproved, violated, totals } =
             read_json(&dir.join("run.json"))?;
         let reason = stopped.map(|stopped| stopped.message).or(unproved).unwrap_or_default();
         let file = dir.join(INTRUSIONS);
@@ -84,6 +88,7 @@ impl MotionRun {
             time_asked_s,
             time_s,
             reason: escaped(&reason),
+            violated: violated.iter().map(|rule| escaped(rule)).collect(),
             totals,
             intrusions,
         })

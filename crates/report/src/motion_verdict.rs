@@ -150,6 +150,28 @@ fn worst_of(runs: &[MotionRun], of: fn(&AuditTotals) -> (u64, Option<PairExtreme
     })
 }
 
+/// What makes a run doubtful whatever its audit found: rules that its tolerances violate, and friction that did not settle. A line each, of the first such
+/// run.
+pub(super) fn doubt_lines(runs: &[MotionRun]) -> Vec<VerdictLine> {
+    let forced = |run: &MotionRun| {
+        let rules = counted(run.violated.len() as u64, "rule", "rules");
+        let sentence = format!("run by --force although its tolerances violate {rules}: {}", run.violated.join("; "));
+        (!run.violated.is_empty()).then_some(sentence)
+    };
+    let unsettled = |run: &MotionRun| Some(format!("friction {}", run.totals.unsettled_in_words()?));
+    let line = |doubt: &dyn Fn(&MotionRun) -> Option<String>| {
+        let doubted: Vec<String> =
+            runs.iter().filter_map(|run| Some(format!("{}: {}", run.name, doubt(run)?))).collect();
+        let (first, others) = doubted.split_first()?;
+        let more = match others.len() as u64 {
+            0 => String::new(),
+            n => format!("; likewise {}", counted(n, "other run", "other runs")),
+        };
+        Some(VerdictLine { severity: Severity::Fair, text: format!("{first}{more}.") })
+    };
+    [line(&forced), line(&unsettled)].into_iter().flatten().collect()
+}
+
 /// Which of several runs ended before they were asked to, and why the first did; of one alone its line tells.
 pub(super) fn cut_line(runs: &[MotionRun]) -> Option<VerdictLine> {
     let cut: Vec<String> = runs.iter().filter_map(|run| Some(format!("{}: {}", run.name, run.cut_short()?))).collect();

@@ -5,7 +5,7 @@ mod tests;
 
 use super::external_findings;
 use super::load::{CampaignRun, Results, agreeing_share};
-use super::motion_verdict::{cut_line, lockstep_lines, motion_line};
+use super::motion_verdict::{cut_line, doubt_lines, lockstep_lines, motion_line};
 use super::safe_levels::{SafeLevels, safe_levels};
 use super::step_verdict::step_line;
 use super::table::{counted, label, percent};
@@ -69,10 +69,9 @@ pub fn verdict(results: &Results) -> Vec<VerdictLine> {
         Some(line) if line.severity == Severity::Bad => lines.insert(0, line),
         motion => lines.extend(motion),
     }
-    if let Some(cut) = cut_line(&results.motions) {
-        // Before what the runs came to.
-        lines.insert(usize::from(lines.first().is_some_and(|line| line.severity == Severity::Bad)), cut);
-    }
+    // Before what the runs came to.
+    let place = usize::from(lines.first().is_some_and(|line| line.severity == Severity::Bad));
+    lines.splice(place..place, cut_line(&results.motions).into_iter().chain(doubt_lines(&results.motions)));
     if lines.is_empty() {
         lines.extend(times(results));
     }

@@ -5,7 +5,7 @@ use crate::audit::in_four_digits;
 use rockproof_model::Scene;
 use rockproof_model::simulation::step_in_words;
 use rockproof_stepper::Real;
-use rockproof_stepper::dynamics::{State, StepReport};
+use rockproof_stepper::dynamics::{Mode, State, StepReport};
 
 /// So many last places of a coordinate must be missing before that is told: fewer are what rounding does to every sum of steps.
 const MIN_PLACES: f64 = 16.0;
@@ -13,8 +13,9 @@ const MIN_PLACES: f64 = 16.0;
 /// Looks after each step for blocks that stand still though they move.
 ///
 /// The update `v' = k_d·(2d/Δt − v)` of a step gives back its displacement d of the centroid, Δt·(v'/k_d + v)/2. A block stands still along an axis where no vertex
-/// changed and d is not 0 there. Blocks that contacts or fixed points hold are left out: a spring whose force rounding leaves a little unbalanced asks for the same
-/// tiny step again and again, and is none the longer for it.
+/// changed and d is not 0 there. Of blocks that contacts or fixed points hold nothing is said: a spring whose force rounding leaves a little unbalanced asks for the
+/// same tiny step again and again, and is none the longer for it. A contact that slides holds a block along its normal alone, so of d counts what lies across the
+/// normals of all that slide.
 pub struct StandstillWatch<R> {
     dynamic: f64,
     /// Last places as a share of a coordinate.
@@ -57,6 +58,56 @@ pub struct Standstill {
     pub missing: f64,
 }
 
+/// What keeps a block where it is.
+#[derive(Clone, Debug, PartialEq)]
+enum Held {
+    /// Fixed points, its motion, or a contact that is locked.
+    Fast,
+    /// Contacts that slide, along these directions: unit vectors, each square to the others.
+    Along(Vec<[f64; 3]>),
+}
+
+impl Held {
+    /// The sine below which two normals are one.
+    const SINE: f64 = 1e-3;
+
+    /// Adds a closed contact with this unit normal.
+    fn add(&mut self, mode: Mode, normal: [f64; 3]) {
+        let Held::Along(known) = self else { return };
+        if mode == Mode::Locked {
+            *self = Held::Fast;
+            return;
+        }
+        let rest = across(normal, known);
+        let length = dot(rest, rest).sqrt();
+        if length > Held::SINE {
+            known.push(rest.map(|component| component / length));
+        }
+    }
+
+    /// The part of a way that nothing keeps the block from going.
+    fn free(&self, way: [f64; 3]) -> [f64; 3] {
+        match self {
+            Held::Fast => [0.0; 3],
+            // What three directions leave is rounding.
+            Held::Along(known) if known.len() == 3 => [0.0; 3],
+            Held::Along(known) => across(way, known),
+        }
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The part of a vector across unit vectors that are square to one another.
+fn across(v: [f64; 3], units: &[[f64; 3]]) -> [f64; 3] {
+    units.iter().fold(v, |v, unit| {
+        let along = dot(v, *unit);
+        std::array::from_fn(|k| v[k] - along * unit[k])
+    })
+}
+
 impl<R: Real> StandstillWatch<R> {
     /// Watches a run from a state on; `epsilon` is the distance from 1 to the next number of its precision.
     pub fn new(scene: &Scene, epsilon: f64, state: &State<R>) -> StandstillWatch<R> {
@@ -77,30 +128,39 @@ impl<R: Real> StandstillWatch<R> {
     pub fn look(&mut self, report: &StepReport, state: &State<R>) {
         let after = places(state);
         if report.step > 0 && self.dynamic > 0.0 {
-            let mut is_held = self.is_held.clone();
+            let held = |&is_held: &bool| if is_held { Held::Fast } else { Held::Along(Vec::new()) };
+            let mut all: Vec<Held> = self.is_held.iter().map(held).collect();
             for contact in state.contacts.iter().filter(|contact| contact.mode.is_closed()) {
-                contact.blocks.iter().for_each(|&block| is_held[block as usize] = true);
+                let normal = contact.normal.components().map(R::to_f64);
+                contact.blocks.iter().for_each(|&block| all[block as usize].add(contact.mode, normal));
             }
-            for (block, is_held) in is_held.into_iter().enumerate() {
-                for axis in 0..3 {
-                    self.look_at((block, axis), is_held, report, &after);
-                }
+            for (block, held) in all.into_iter().enumerate() {
+                self.look_at(block, &held, report, &after);
             }
         }
         self.before = after;
     }
 
-    fn look_at(
-        &mut self,
-        (block, axis): (usize, usize),
-        is_held: bool,
-        report: &StepReport,
-        after: &[([R; 12], Vec<[R; 3]>)],
-    ) {
+    fn look_at(&mut self, block: usize, held: &Held, report: &StepReport, after: &[([R; 12], Vec<[R; 3]>)]) {
         let ((old, from), (new, to)) = (&self.before[block], &after[block]);
-        let way = report.time_step * (new[axis].to_f64() / self.dynamic + old[axis].to_f64()) / 2.0;
+        let stands: [bool; 3] =
+            std::array::from_fn(|axis| from.iter().zip(to).all(|(from, to)| from[axis] == to[axis]));
+        let way = std::array::from_fn(|axis| match stands[axis] {
+            true => report.time_step * (new[axis].to_f64() / self.dynamic + old[axis].to_f64()) / 2.0,
+            false => 0.0,
+        });
+        let free = held.free(way);
+        for axis in 0..3 {
+            let way = if stands[axis] { free[axis] } else { 0.0 };
+            let largest = to.iter().fold(0.0, |most: f64, v| most.max(v[axis].to_f64().abs()));
+            self.add((block, axis), way, report, largest);
+        }
+    }
+
+    /// Adds a step in which a block went so far along an axis (m) and its coordinates, the largest of which is given, did not show it; 0 where they did.
+    fn add(&mut self, (block, axis): (usize, usize), way: f64, report: &StepReport, largest: f64) {
         let now = &mut self.now[block][axis];
-        if is_held || way == 0.0 || from.iter().zip(to).any(|(from, to)| from[axis] != to[axis]) {
+        if way == 0.0 {
             *now = None;
             return;
         }
@@ -112,7 +172,6 @@ impl<R: Real> StandstillWatch<R> {
             time: known.time + report.time_step,
         };
         *now = Some(Missing { since, way, ways, time });
-        let largest = to.iter().fold(0.0, |most: f64, v| most.max(v[axis].to_f64().abs()));
         if way.abs() <= ways / 2.0 || way.abs() <= MIN_PLACES * self.epsilon * largest {
             return;
         }

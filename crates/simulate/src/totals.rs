@@ -3,6 +3,7 @@
 use crate::audit::AuditTotals;
 use crate::energy_gain::EnergyBalance;
 use crate::exact_float::ExactFloat;
+use rockproof_model::simulation::step_in_words;
 use rockproof_stepper::dynamics::{Mode, RetryReason, StepReport};
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +24,12 @@ pub struct Totals {
     pub most_iterations: u32,
     /// Steps accepted without converging.
     pub unconverged: u64,
+    /// Steps that count as converged though friction had not settled, by more than [`Totals::FRICTION_LEFT`].
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub unsettled: u64,
+    /// The largest [`StepReport::friction_left`] of a step.
+    #[serde(default, skip_serializing_if = "Extreme::is_none")]
+    pub friction_left: Extreme,
     /// Attempts given up because modes still changed, because a vertex moved too far, because a block turned too far.
     pub retries: [u64; 3],
     /// The deepest overlap of a contact after a step, to first order, settling not counted (m).
@@ -55,7 +62,15 @@ pub struct Extreme {
     pub step: i64,
 }
 
+fn is_none(count: &u64) -> bool {
+    *count == 0
+}
+
 impl Extreme {
+    fn is_none(&self) -> bool {
+        *self == Extreme::default()
+    }
+
     fn add(&mut self, value: f64, step: i64) {
         if value > self.value.0 {
             *self = Extreme { value: ExactFloat(value), step };
@@ -64,6 +79,24 @@ impl Extreme {
 }
 
 impl Totals {
+    /// The share of the forces on a block by which friction may be off before that is told: ten times what SPEC section 5 takes for settled, since blocks that
+    /// strike one another have a few per cent now and then.
+    pub const FRICTION_LEFT: f64 = 0.1;
+
+    /// In how many steps friction had not settled, and in which it was furthest from it; `None` where there is no such step.
+    pub fn unsettled_in_words(&self) -> Option<String> {
+        if self.unsettled == 0 {
+            return None;
+        }
+        let steps = if self.unsettled == 1 { "1 step".to_owned() } else { format!("{} steps", self.unsettled) };
+        let Extreme { value, step } = self.friction_left;
+        Some(format!(
+            "not settled in {steps} (in {} by {:.0} % of the forces on a block), so that blocks move otherwise than friction lets them: a shorter time_step, or softer springs",
+            step_in_words(step),
+            100.0 * value.0
+        ))
+    }
+
     /// Adds a step.
     pub fn add(&mut self, report: &StepReport) {
         if report.step > 0 {
@@ -79,6 +112,10 @@ impl Totals {
         self.iterations += u64::from(report.iterations);
         self.most_iterations = self.most_iterations.max(report.iterations);
         self.unconverged += u64::from(!report.converged);
+        if report.friction_left > Totals::FRICTION_LEFT {
+            self.unsettled += 1;
+            self.friction_left.add(report.friction_left, report.step);
+        }
         for retry in &report.retries {
             self.retries[retry.why as usize] += 1;
         }

@@ -11,6 +11,7 @@ use rockproof_differential::agreement::ComparisonKey;
 use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_simulate::audit::PairExtreme;
 use rockproof_simulate::exact_float::ExactFloat;
+use rockproof_simulate::totals::Extreme;
 use rockproof_simulate::{AuditTotals, Totals};
 use serde::de::DeserializeOwned;
 use serde_json::json;
@@ -266,6 +267,25 @@ fn a_lockstep_is_good_only_where_no_decision_differs_and_no_bad_line_is_left_out
     let open = AuditTotals { undecided: Some(1), ..sound.clone() };
     assert!(has(&of(run.clone(), vec![motion("one", Some(sound))]), Severity::Good, "one: no unseen overlap"));
     assert!(has(&of(run, vec![motion("one", Some(open))]), Severity::Fair, "one: no unseen overlap"));
+}
+
+#[test]
+fn a_run_by_force_or_without_settled_friction_is_doubted() {
+    let of = |motions| verdict(&Results { motions, ..Results::default() });
+    let sound = ended("finished", 5, Some(5), "");
+    assert!(of(vec![sound.clone()]).iter().all(|line| line.severity == Severity::Good));
+    let forced = MotionRun { violated: vec!["r ≥ s".to_owned(), "s ≥ t".to_owned()], ..sound.clone() };
+    let lines = of(vec![forced.clone()]);
+    assert!(has(&lines, Severity::Fair, "one: run by --force although its tolerances violate 2 rules: r ≥ s; s ≥ t."));
+    assert!(lines[0].severity == Severity::Fair, "{lines:?}");
+    let mut slipping = sound.clone();
+    slipping.totals.unsettled = 2;
+    slipping.totals.friction_left = Extreme { value: ExactFloat(0.625), step: 4 };
+    let lines = of(vec![slipping, sound]);
+    let told = "one: friction not settled in 2 steps (in step 4 by 62 % of the forces on a block)";
+    assert!(has(&lines, Severity::Fair, told), "{lines:?}");
+    let lines = of(vec![forced.clone(), forced]);
+    assert!(lines[0].text.ends_with("; likewise 1 other run."), "{lines:?}");
 }
 
 #[test]

@@ -35,6 +35,8 @@ pub(super) struct IterationResult<R> {
     pub(super) iterations: u32,
     /// Whether the iteration ended by itself, not because modes went on changing.
     pub(super) converged: bool,
+    /// See [`StepReport::friction_left`](crate::dynamics::report::StepReport::friction_left).
+    pub(super) friction_left: f64,
     /// Contacts whose mode the last solve changed.
     pub(super) changing: Vec<ModeChange>,
     /// The modes of all contacts after each solve.
@@ -91,6 +93,7 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
             d: Vec::new(),
             iterations: 0,
             converged: false,
+            friction_left: 0.0,
             changing: Vec::new(),
             modes: Vec::new(),
             touched: vec![false; unknowns.len()],
@@ -188,6 +191,9 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
                 Some(modes) => ended.modes.len() + 1 >= modes.len(),
             };
             if ends {
+                if ended.converged && !settled {
+                    ended.friction_left = self.friction_left(&judged, contacts);
+                }
                 ended.d = d;
                 Memory::of(kept.into_values(), spare);
                 return Ok(Some(ended));
@@ -203,5 +209,25 @@ impl<R: Solve> OpenCloseIteration<'_, R> {
         }
         let free = blocks.iter().zip(self.block_systems).filter(|(_, block_systems)| block_systems.unknowns > 0);
         free.into_iter().all(|(block, _)| M::settled(block.misfit, block.pressing))
+    }
+
+    /// How far friction was from settling: of all blocks that are not fixed the largest share that Σ|Δf| is of the forces on the block, those that press and rub,
+    /// or else its weight, loads and momentum over Δt, whichever are more.
+    fn friction_left(&self, judged: &[JudgedContact<R>], contacts: &[StepContact<R>]) -> f64 {
+        let mut blocks = vec![[0.0; 2]; self.block_systems.len()];
+        for (judged, contact) in judged.iter().zip(contacts) {
+            let FrictionMisfit { misfit, pressing } = judged.friction_misfit;
+            let forces = pressing.to_f64() + contact.tangential_after(judged.to).length().to_f64();
+            for block in judged.blocks.map(|block| block as usize) {
+                blocks[block][0] += misfit.to_f64();
+                blocks[block][1] += forces;
+            }
+        }
+        let share = |([misfit, forces], system): (&[f64; 2], &BlockSystem<R>)| {
+            let [x, y, z] = [system.force[0], system.force[1], system.force[2]].map(R::to_f64);
+            let forces = forces.max((x * x + y * y + z * z).sqrt());
+            if system.unknowns > 0 && *misfit > 0.0 { misfit / forces } else { 0.0 }
+        };
+        blocks.iter().zip(self.block_systems).map(share).fold(0.0, f64::max)
     }
 }

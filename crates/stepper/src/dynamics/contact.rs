@@ -209,7 +209,7 @@ impl<R: Real> StepContact<R> {
     }
 
     /// The tangential force in N of the mode after the last solve, on block j: p_s·s, or τ·s/|s|.
-    fn tangential_after(&self, mode: Mode) -> Vector<R> {
+    pub(super) fn tangential_after(&self, mode: Mode) -> Vector<R> {
         match mode {
             Mode::Open => Vector::ZERO,
             Mode::Locked => self.iterate.stretch * self.joint.shear,

@@ -18,6 +18,10 @@ pub struct StepReport {
     pub iterations: u32,
     /// Whether the iteration converged, as SPEC section 5 has it; if not, the attempt was the last one and its last solve was taken.
     pub converged: bool,
+    /// 0 where friction had settled. Where the seventh solve without a change of mode ended the iteration all the same (SPEC section 5), the share of the
+    /// forces on a block by which its tangential forces were still off, of the block with the largest. The forces are those that press and rub on it, or its
+    /// weight, loads and momentum over Δt, whichever are more.
+    pub friction_left: f64,
     /// Attempts given up, in order.
     pub retries: Vec<Retry>,
     /// Contacts by kind and mode: `contacts[kind as usize][mode as usize]`.

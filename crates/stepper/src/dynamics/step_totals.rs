@@ -53,6 +53,7 @@ impl<R: Solve, M: StepRules> Dynamics<R, M> {
             time_step,
             iterations: ended.iterations,
             converged: ended.converged,
+            friction_left: ended.friction_left,
             retries,
             contacts: counts,
             max_penetration: deepest,
