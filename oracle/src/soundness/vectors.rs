@@ -7,6 +7,7 @@ use crate::view::{BallView, BitsView, BoundView, ExactView, FloatView, LazyScale
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Signed;
+use num_traits::float::FloatCore;
 use rockproof_model::decision::Side;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{EdgeId, FaceId, Number, ToleranceSet, Vec3, VertexId};
@@ -30,7 +31,7 @@ pub(super) fn check(pair: &Pair<'_>, t: &ToleranceSet, about: &str) {
         balls: BallView { floats: float(), scales: LazyScales { made: &balls, make: &|| Scales::balls(t) } },
         bounds: BoundView::of(pair.a, pair.b, Scales::<Bound>::bounds(t)),
         float: float(),
-        metres: BigRational::new(metres, units),
+        unit: (metres, units),
         about,
     };
     let coordinate = views.counted.coordinate;
@@ -60,7 +61,7 @@ pub(super) fn check(pair: &Pair<'_>, t: &ToleranceSet, about: &str) {
             let (length, count) = (views.exact.loop_length(side, face), views.counted.loop_length(side, face));
             assert!(length.bits() <= u64::from(count.0), "{about}");
             let bound = views.bounds.loop_length(side, face).magnitude;
-            assert!(BigRational::from_integer(length) <= rational(bound), "{bound}, {about}");
+            assert!(within(&length, &BigInt::from(1), 0.0, bound), "{bound}, {about}");
             if pair.prepared(side).faces[face.index()].surely_convex {
                 turns_left(&views.exact, side, face, about);
             }
@@ -97,36 +98,28 @@ struct Views<'p, 's> {
     balls: BallView<'p>,
     bounds: BoundView<'p>,
     float: FloatView<'p>,
-    /// Of one lattice unit.
-    metres: BigRational,
+    /// Metres of one lattice unit, as a fraction.
+    unit: (BigInt, BigInt),
     about: &'p str,
 }
 
 impl Views<'_, '_> {
     /// Compares a vector of this degree in length.
-    fn compare(&self, degree: i32, vector: Vector) {
+    fn compare(&self, degree: u32, vector: Vector) {
         let exact = vector.of(&self.exact);
         fits(&exact, &vector.of(&self.counted), self.about);
-        let unit = self.metres.pow(degree);
-        let exact = exact.map(|c| BigRational::from_integer(c.clone()) * &unit);
+        let (metres, of) = (self.unit.0.pow(degree), self.unit.1.pow(degree));
         let (float, bound, ball) = (vector.of(&self.float), vector.of(&self.bounds), vector.of(&self.balls));
         for (k, exact) in exact.components().into_iter().enumerate() {
+            let exact = exact * &metres;
             let (Approx(float), bound, ball) = (*float.components()[k], *bound.components()[k], *ball.components()[k]);
             if bound.error.is_finite() && bound.magnitude.is_finite() {
-                assert!(
-                    (rational(float) - exact).abs() <= rational(bound.error),
-                    "{vector:?}, {bound:?}, {}",
-                    self.about
-                );
-                assert!(rational(float).abs() <= rational(bound.magnitude), "{vector:?}, {bound:?}, {}", self.about);
-                assert!(exact.abs() <= rational(bound.magnitude), "{vector:?}, {bound:?}, {}", self.about);
+                assert!(within(&exact, &of, float, bound.error), "{vector:?}, {bound:?}, {}", self.about);
+                assert!(float.abs() <= bound.magnitude, "{vector:?}, {bound:?}, {}", self.about);
+                assert!(within(&exact, &of, 0.0, bound.magnitude), "{vector:?}, {bound:?}, {}", self.about);
             }
             if ball.radius.is_finite() && ball.middle.is_finite() {
-                assert!(
-                    (rational(ball.middle) - exact).abs() <= rational(ball.radius),
-                    "{vector:?}, {ball:?}, {}",
-                    self.about
-                );
+                assert!(within(&exact, &of, ball.middle, ball.radius), "{vector:?}, {ball:?}, {}", self.about);
             }
         }
     }
@@ -169,6 +162,34 @@ impl Views<'_, '_> {
 
 fn rational(value: f64) -> BigRational {
     BigRational::from_float(value).expect("finite")
+}
+
+/// Whether the fraction `exact / of` is no further from `middle` than `radius`. In integers: to reduce fractions would take most of the walk's time.
+fn within(exact: &BigInt, of: &BigInt, middle: f64, radius: f64) -> bool {
+    let ((middle, of_middle), (radius, of_radius)) = (whole_and_exponent(middle), whole_and_exponent(radius));
+    let lowest = of_middle.min(of_radius).min(0);
+    let off = ((middle * of) << (of_middle - lowest)) - (exact << -lowest);
+    off.abs() <= (radius * of) << (of_radius - lowest)
+}
+
+/// A float as a whole number times two to an exponent.
+fn whole_and_exponent(value: f64) -> (BigInt, i64) {
+    let (digits, exponent, sign) = FloatCore::integer_decode(value);
+    (BigInt::from(digits) * sign, if digits == 0 { 0 } else { i64::from(exponent) })
+}
+
+#[test]
+fn an_enclosure_holds_its_ends_and_nothing_beyond() {
+    for (middle, radius) in [(0.75, 0.25), (-3e-300, 0.0), (0.0, 5e-324), (1e300, 1e-300), (-7.5, 2f64.powi(80))] {
+        for of in [1, 3, 1_i64 << 40] {
+            let ends = [rational(middle) - rational(radius), rational(middle) + rational(radius)];
+            for (end, outwards) in ends.iter().zip([-1, 1]) {
+                let (exact, of) = (end.numer() * of, end.denom() * of);
+                assert!(within(&exact, &of, middle, radius), "{middle} {radius}");
+                assert!(!within(&(exact + outwards), &of, middle, radius), "{middle} {radius}");
+            }
+        }
+    }
 }
 
 fn fits(exact: &Vec3<BigInt>, counts: &Vec3<Bits>, about: &str) {
