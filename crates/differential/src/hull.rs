@@ -23,37 +23,73 @@ pub enum HullError {
     Block(#[from] BlockError),
 }
 
-/// The smallest convex block that holds all `points`. Points inside it, inside a face or inside an edge are dropped;
-/// the others keep their order. Time grows with the fourth power of their number, all but a few steps of it in f64: meant for up to some fifty.
+/// A convex hull of which no block was made yet. A block is checked when it is made, which takes longer than to find the hull.
+#[derive(Clone, Debug)]
+pub struct Hull {
+    vertices: Vec<Point>,
+    faces: Vec<Vec<u32>>,
+}
+
+impl Hull {
+    /// The hull of all `points`. Points inside it, inside a face or inside an edge are dropped; the others keep their order. Time grows with the
+    /// fourth power of their number, all but a few steps of it in f64: meant for up to some fifty.
+    ///
+    /// # Errors
+    /// When the points lie in one plane.
+    pub fn of(points: &[Point]) -> Result<Hull, HullError> {
+        let lattice = Lattice::covering(points.iter().flat_map(|p| p.components()));
+        let small: Option<Vec<Vec3<i128>>> = points
+            .iter()
+            .map(|p| {
+                let units = |c: &Number| lattice.small_units(c, SMALL_BITS);
+                Some(Vec3::new(units(&p.x)?, units(&p.y)?, units(&p.z)?))
+            })
+            .collect();
+        let filter = SideFilter::new(points);
+        let faces = match small {
+            Some(small) => hull_faces(&small, filter.as_ref()),
+            None => {
+                hull_faces(&points.iter().map(|p| p.map(|c| lattice.units(c))).collect::<Vec<_>>(), filter.as_ref())
+            }
+        };
+        if faces.len() < 4 {
+            return Err(HullError::Flat { points: points.len() });
+        }
+        let used: BTreeSet<u32> = faces.iter().flatten().copied().collect();
+        let mut renumbered = vec![0; points.len()];
+        for (new, &old) in used.iter().enumerate() {
+            renumbered[old as usize] = new as u32;
+        }
+        let faces = faces.into_iter().map(|f| f.into_iter().map(|v| renumbered[v as usize]).collect()).collect();
+        let vertices = used.iter().map(|&v| points[v as usize].clone()).collect();
+        Ok(Hull { vertices, faces })
+    }
+
+    /// Its corners, which are the vertices of its block.
+    pub fn vertices(&self) -> &[Point] {
+        &self.vertices
+    }
+
+    /// Of how many faces its block is.
+    pub fn face_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Its block.
+    ///
+    /// # Errors
+    /// When the hull's surface is no canonical block.
+    pub fn into_block(self) -> Result<Block, HullError> {
+        Ok(Block::new(self.vertices, self.faces, &BlockOptions { planarity: Number::ZERO })?)
+    }
+}
+
+/// The smallest convex block that holds all `points`: that of their [`Hull`].
 ///
 /// # Errors
 /// When the points lie in one plane.
 pub fn convex_hull(points: &[Point]) -> Result<Block, HullError> {
-    let lattice = Lattice::covering(points.iter().flat_map(|p| p.components()));
-    let small: Option<Vec<Vec3<i128>>> = points
-        .iter()
-        .map(|p| {
-            let units = |c: &Number| lattice.small_units(c, SMALL_BITS);
-            Some(Vec3::new(units(&p.x)?, units(&p.y)?, units(&p.z)?))
-        })
-        .collect();
-    let filter = SideFilter::new(points);
-    let faces = match small {
-        Some(small) => hull_faces(&small, filter.as_ref()),
-        None => hull_faces(&points.iter().map(|p| p.map(|c| lattice.units(c))).collect::<Vec<_>>(), filter.as_ref()),
-    };
-    if faces.len() < 4 {
-        return Err(HullError::Flat { points: points.len() });
-    }
-    let used: BTreeSet<u32> = faces.iter().flatten().copied().collect();
-    let mut renumbered = vec![0; points.len()];
-    for (new, &old) in used.iter().enumerate() {
-        renumbered[old as usize] = new as u32;
-    }
-    let faces = faces.into_iter().map(|f| f.into_iter().map(|v| renumbered[v as usize]).collect()).collect();
-    let vertices = used.iter().map(|&v| points[v as usize].clone()).collect();
-    let options = BlockOptions { planarity: Number::ZERO };
-    Ok(Block::new(vertices, faces, &options)?)
+    Hull::of(points)?.into_block()
 }
 
 /// Says in f64 on which side of a plane through three points the others are, where that is certain.
@@ -268,7 +304,9 @@ mod tests {
     fn merges_coplanar_facets_and_drops_the_rest() {
         let mut points: Vec<Point> = (0..8).map(|i| point(2 * (i & 1), i & 2, (i & 4) / 2)).collect();
         points.extend([point(1, 1, 1), point(1, 0, 0), point(1, 1, 2), point(2, 2, 2)]);
-        let cube = convex_hull(&points).unwrap();
+        let hull = Hull::of(&points).unwrap();
+        assert_eq!((hull.vertices().len(), hull.face_count()), (8, 6));
+        let cube = hull.into_block().unwrap();
         assert_eq!((cube.vertices().len(), cube.topology().faces().len()), (8, 6));
         assert!(cube.is_convex());
         assert!(cube.topology().faces().iter().all(|f| f.len() == 4));

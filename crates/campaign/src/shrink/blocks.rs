@@ -2,7 +2,7 @@
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use rockproof_differential::hull::convex_hull;
+use rockproof_differential::hull::Hull;
 use rockproof_model::number::{power_of_two, split_f64};
 use rockproof_model::{Block, BlockOptions, Number, Point};
 use std::collections::HashMap;
@@ -135,7 +135,7 @@ impl BlockShrinker<'_> {
                 let without = |best: &[Block; 2]| {
                     let mut points = best[block].vertices().to_vec();
                     points.remove(vertex);
-                    with_block(best, block, convex_hull(&points).ok()?)
+                    simpler(best, with_shape(best, block, Shape::Hull(Hull::of(&points).ok()?)))
                 };
                 if !self.keep(best, Attempt::Drop { block, vertex }, without) {
                     vertex += 1;
@@ -155,12 +155,12 @@ impl BlockShrinker<'_> {
         for blocks in [[true, true], [true, false], [false, true]] {
             for grid in FEWER_BITS.map(|bits| top - bits as i32) {
                 let rounded = |best: &[Block; 2]| {
-                    let mut proposal = best.clone();
-                    for (block, _) in proposal.iter_mut().zip(blocks).filter(|(_, is_meant)| *is_meant) {
-                        let on_grid = |p: &Point| p.map(|c| on_grid(c, grid));
-                        *block = rebuilt(block, block.vertices().iter().map(on_grid).collect())?;
-                    }
-                    Some(proposal)
+                    let on_grid = |p: &Point| p.map(|c| on_grid(c, grid));
+                    let shape = |block: usize| match blocks[block] {
+                        true => moved(&best[block], best[block].vertices().iter().map(on_grid).collect()),
+                        false => Some(Shape::Same(&best[block])),
+                    };
+                    simpler(best, [shape(0)?, shape(1)?])
                 };
                 if self.keep(best, Attempt::Round { blocks, grid }, rounded) {
                     break;
@@ -177,18 +177,18 @@ impl BlockShrinker<'_> {
     }
 
     fn shorten_one(&mut self, best: &mut [Block; 2], block: usize, vertex: usize, axis: usize) {
-        let simpler = |c: &Number| {
+        let shorter = |c: &Number| {
             let value = c.approximate();
             let near = [0.0, value.round(), (value * 8.0).round() / 8.0, (value * 1024.0).round() / 1024.0];
             near.into_iter().filter_map(|n| Number::from_f64(n).ok()).filter(|n| bits(n) < bits(c)).collect::<Vec<_>>()
         };
         let Some(point) = best[block].vertices().get(vertex) else { return };
-        for (choice, number) in simpler(point.components()[axis]).into_iter().enumerate() {
+        for (choice, number) in shorter(point.components()[axis]).into_iter().enumerate() {
             let shortened = |best: &[Block; 2]| {
                 let mut points = best[block].vertices().to_vec();
                 let point = &mut points[vertex];
                 *[&mut point.x, &mut point.y, &mut point.z][axis] = number;
-                with_block(best, block, rebuilt(&best[block], points)?)
+                simpler(best, with_shape(best, block, moved(&best[block], points)?))
             };
             if self.keep(best, Attempt::Shorten { block, vertex, axis, choice }, shortened) {
                 return;
@@ -197,23 +197,58 @@ impl BlockShrinker<'_> {
     }
 }
 
-fn with_block(best: &[Block; 2], which: usize, block: Block) -> Option<[Block; 2]> {
-    let mut proposal = best.clone();
-    proposal[which] = block;
-    Some(proposal)
+/// What a block would become.
+enum Shape<'b> {
+    Same(&'b Block),
+    Hull(Hull),
+    /// The faces of a block with other vertices.
+    Moved(Vec<Point>, &'b Block),
+}
+
+impl Shape<'_> {
+    fn size(&self) -> (usize, u64) {
+        match self {
+            Shape::Same(block) => size_of(block.vertices(), block.topology().faces().len()),
+            Shape::Hull(hull) => size_of(hull.vertices(), hull.face_count()),
+            Shape::Moved(points, block) => size_of(points, block.topology().faces().len()),
+        }
+    }
+
+    fn into_block(self) -> Option<Block> {
+        match self {
+            Shape::Same(block) => Some(block.clone()),
+            Shape::Hull(hull) => hull.into_block().ok(),
+            Shape::Moved(points, block) => {
+                let options = BlockOptions { planarity: Number::ZERO };
+                Block::new(points, block.topology().faces().to_vec(), &options).ok()
+            }
+        }
+    }
+}
+
+/// Blocks of these shapes if they are smaller than `best`. Most are not, since a vertex that is moved cuts the faces at it into triangles; to see that
+/// first spares making them.
+fn simpler(best: &[Block; 2], shapes: [Shape<'_>; 2]) -> Option<[Block; 2]> {
+    if sum(shapes.each_ref().map(Shape::size)) >= size(best) {
+        return None;
+    }
+    let [a, b] = shapes.map(Shape::into_block);
+    Some([a?, b?])
+}
+
+fn with_shape<'b>(best: &'b [Block; 2], which: usize, shape: Shape<'b>) -> [Shape<'b>; 2] {
+    let mut shapes = best.each_ref().map(Shape::Same);
+    shapes[which] = shape;
+    shapes
 }
 
 /// A block with its vertices moved a little: convex ones by their hull, so that faces which are no longer planar are
 /// split; others only when every face is still planar and every edge bends the way it did.
-fn rebuilt(block: &Block, points: Vec<Point>) -> Option<Block> {
+fn moved(block: &Block, points: Vec<Point>) -> Option<Shape<'_>> {
     if block.vertices() == points {
         return None;
     }
-    if block.is_convex() {
-        return convex_hull(&points).ok();
-    }
-    let options = BlockOptions { planarity: Number::ZERO };
-    Block::new(points, block.topology().faces().to_vec(), &options).ok()
+    if block.is_convex() { Hull::of(&points).ok().map(Shape::Hull) } else { Some(Shape::Moved(points, block)) }
 }
 
 /// The nearest multiple of 2^`exponent`, halves away from zero.
@@ -254,9 +289,17 @@ fn power(exponent: i32) -> BigRational {
 
 /// What blocks cost their reader: features first, then bits.
 pub(super) fn size(blocks: &[Block; 2]) -> (usize, u64) {
-    let features = |b: &Block| b.vertices().len() + b.topology().faces().len();
-    let numbers = blocks.iter().flat_map(Block::coordinates);
-    (blocks.iter().map(features).sum(), numbers.map(bits).sum())
+    sum(blocks.each_ref().map(|block| Shape::Same(block).size()))
+}
+
+fn size_of(vertices: &[Point], faces: usize) -> (usize, u64) {
+    let numbers = vertices.iter().flat_map(Point::components);
+    (vertices.len() + faces, numbers.map(bits).sum())
+}
+
+fn sum(sizes: [(usize, u64); 2]) -> (usize, u64) {
+    let [(features, bits), (others, other_bits)] = sizes;
+    (features + others, bits + other_bits)
 }
 
 /// Bits needed to write a number down: those of its odd part, and of how far it is from 1.
