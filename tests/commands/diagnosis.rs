@@ -6,6 +6,7 @@ use assert_cmd::Command;
 use rockproof_differential::diagnosis::{DiagnosisRow, DiagnosisVerdict};
 use std::fs;
 use std::path::Path;
+use std::sync::OnceLock;
 
 fn rockproof(args: &[&str]) -> (i32, String) {
     let output = Command::cargo_bin("rockproof").expect("the program").args(args).output().expect("runs");
@@ -86,6 +87,28 @@ fn rounding_is_no_mistake_and_a_rare_mistake_is_not_explained_away() {
     assert!(said.contains("mine: no hypothesis explains ") && said.contains(&rest.example), "{said}");
 }
 
+/// The C++ client with the mistake that its environment names. One program for all of them: to compile it takes longer than to ask it.
+fn mistaken_cpp_client(mistake: &str) -> Option<String> {
+    static CLIENT: OnceLock<Option<(tempfile::TempDir, String)>> = OnceLock::new();
+    let said = r#"",\"gap_m\":%.17g,\"normal\":[%.17g,%.17g,%.17g]", said.gap_m, n[0]"#;
+    let (format, gap) = said.rsplit_once(", said").expect("a format");
+    let gap = format!("said{gap}").replace(", n[0]", "");
+    let is = |letter: char| format!("std::getenv(\"WRONG\")[0] == '{letter}'");
+    let wrong = format!(
+        "{} ? {} : {format}, {} ? {gap} + 1e-6 : {} ? {gap} * 1.5 : {} ? (float)({gap} + 1e-6) : {gap}, n[0]",
+        is('d'),
+        format.replace("%.17g", "%.7g"),
+        is('l'),
+        is('f'),
+        is('s'),
+    );
+    let client = CLIENT.get_or_init(|| {
+        let dir = tempfile::tempdir().expect("a directory");
+        changed_cpp_client(dir.path(), said, &wrong).map(|client| (dir, client))
+    });
+    client.as_ref().map(|(_, client)| format!("env WRONG={mistake} {client}"))
+}
+
 #[test]
 fn a_collision_code_in_f32_is_told_to_be_declared_so() {
     let dir = crate::place::folder();
@@ -100,7 +123,7 @@ fn a_collision_code_in_f32_is_told_to_be_declared_so() {
     assert_eq!(rows.iter().filter(|row| is_told(row)).count(), 1, "the rest is next to a tie: {rows:#?}");
 
     // Gaps and normals in seven digits are no worse than in f32, but far better where blocks are near one another.
-    let digits = changed_cpp_client(&dir.path().join("2"), "%.17g", "%.7g").expect("there is a compiler");
+    let digits = mistaken_cpp_client("digits").expect("there is a compiler");
     let (rows, _) = diagnosed_engine(dir.path(), "digits", &digits, &pairs);
     let (found, answers, differing) = first(&rows);
     assert!(found == "gap-in-7-digits" && answers * 10 >= differing * 9, "{rows:#?}");
@@ -113,13 +136,8 @@ fn a_collision_code_in_f32_is_told_to_be_declared_so() {
 fn one_length_or_factor_too_many_is_not_told_to_be_f32() {
     let dir = crate::place::folder();
     let pairs = ["--pairs", "256", "--tolerances", "auto", "--family", "edge_cross,corner_corner"];
-    // One program for all three: to compile it takes longer than to ask it.
-    let wrong =
-        "(WRONG[0] == 'l' ? said.gap_m + 1e-6 : WRONG[0] == 'f' ? said.gap_m * 1.5 : (float)(said.gap_m + 1e-6)), n[0]";
-    let wrong = wrong.replace("WRONG", "std::getenv(\"WRONG\")");
-    let Some(client) = changed_cpp_client(&dir.path().join("client"), "said.gap_m, n[0]", &wrong) else { return };
     for name in ["length", "factor", "single"] {
-        let mine = format!("env WRONG={name} {client}");
+        let Some(mine) = mistaken_cpp_client(name) else { return };
         let (rows, said) = diagnosed_engine(dir.path(), &format!("of-{name}"), &mine, &pairs);
         assert!(rows.first().is_some_and(|row| row.differing > 60), "{name}: {rows:#?}");
         let told = rows.iter().find(|row| row.hypothesis == "state-in-f32");

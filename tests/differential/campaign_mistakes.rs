@@ -104,8 +104,9 @@ fn finding_of(
     (found, wrong)
 }
 
-/// Looks for the mistakes of a list in the first pairs of a source.
-fn search(list: &mut [Sought], source: &FamilySource, pairs: u64) {
+/// Looks for the mistakes of a list in the first pairs of a source until no more than so many are left, and for defects of the stepper itself in all of
+/// these pairs, or those up to the last mistake.
+fn search(list: &mut [Sought], source: &FamilySource, pairs: u64, may_be_left: usize) {
     let names = CampaignConfig::default().engines;
     let right = builtin::panel(&names, 0).expect("the engines of the default configuration");
     let batches = pairs / source.batch_len();
@@ -114,7 +115,8 @@ fn search(list: &mut [Sought], source: &FamilySource, pairs: u64) {
             break;
         }
         let numbers: Vec<u64> = (chunk * CHUNK..((chunk + 1) * CHUNK).min(batches)).collect();
-        let results: Vec<_> = numbers.par_iter().map(|&batch| finding_of(source, batch, list, &right)).collect();
+        let sought: &[Sought] = if missed(list).len() > may_be_left { list } else { &[] };
+        let results: Vec<_> = numbers.par_iter().map(|&batch| finding_of(source, batch, sought, &right)).collect();
         for (found, wrong) in results {
             assert!(wrong.is_empty(), "the stepper itself has a defect: {:?}", wrong[0]);
             for (number, index, finding) in found {
@@ -130,16 +132,17 @@ fn missed(list: &[Sought]) -> Vec<&'static str> {
 
 #[test]
 fn a_short_campaign_finds_most_mistakes() {
-    let list = sought_in(PAIRS);
+    // One fewer than half of them may be left.
+    let list = sought_in(PAIRS, (sought().len() - 1) / 2);
     let missed = missed(&list);
     assert!(missed.len() * 2 < list.len(), "in {PAIRS} pairs too few are found; missed are {missed:#?}");
 }
 
 /// Looks for all mistakes in the first pairs of the default campaign, and prints where they were found.
-fn sought_in(pairs: u64) -> Vec<Sought> {
+fn sought_in(pairs: u64, may_be_left: usize) -> Vec<Sought> {
     assert!(pairs <= CampaignConfig::default().pairs);
     let mut list = sought();
-    search(&mut list, &default_source(), pairs);
+    search(&mut list, &default_source(), pairs, may_be_left);
     list.sort_by_key(|m| m.found.as_ref().map_or(u64::MAX, |(index, _)| *index));
     for mistake in &list {
         if let Some((index, f)) = &mistake.found {
@@ -154,11 +157,11 @@ fn sought_in(pairs: u64) -> Vec<Sought> {
 #[test]
 #[ignore = "a minute of two cores; .ci/run runs it"]
 fn campaigns_find_every_mistake_at_full_size() {
-    let mut list = sought_in(FULL_PAIRS);
+    let mut list = sought_in(FULL_PAIRS, 0);
     let ties = missed(&list);
     // What shows at one rare tie only is looked for where ties are many.
     assert!(ties.len() <= MAX_LEFT, "in {FULL_PAIRS} pairs too few are found; missed are {ties:#?}");
-    search(&mut list, &default_source().unperturbed(), UNPERTURBED);
+    search(&mut list, &default_source().unperturbed(), UNPERTURBED, 0);
     for mistake in list.iter().filter(|m| ties.contains(&m.name)) {
         if let Some((index, f)) = &mistake.found {
             println!("{index:6}  {:60} {} {} {}, unshaken", mistake.name, f.family, f.form, f.set);

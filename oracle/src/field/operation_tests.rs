@@ -10,7 +10,7 @@ use rockproof_model::ring::Ring;
 use rockproof_model::{Number, Sign};
 
 fn rational(value: f64) -> BigRational {
-    BigRational::from_float(value).expect("finite")
+    Number::from_f64(value).expect("finite").to_rational()
 }
 
 fn power(exponent: i32) -> BigRational {

@@ -16,6 +16,7 @@ use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed};
+use rockproof_model::number::dyadic;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Block, BlockOptions, Number, Sign, ToleranceSet, Vec3};
 use std::cell::OnceCell;
@@ -91,8 +92,11 @@ impl Numbers {
 
     /// The same as the cascade is given them, lengths over `2^shift`.
     fn given(&self, shapes: &[Block; 2], shift: u32) -> ([PreparedBlock; 2], ToleranceSet) {
-        let unit = BigRational::new(BigInt::one(), BigInt::one() << shift);
-        let length = |value: &BigRational| Number::from_rational(value * &unit);
+        // Only twos can cancel where a length is an integer.
+        let length = |value: &BigRational| {
+            assert!(value.is_integer());
+            Number::from_rational(dyadic(value.numer().clone(), -i64::from(shift)))
+        };
         let blocks = [0, 1].map(|k: usize| {
             let vertices = self.vertices[k].iter().map(|[x, y, z]| Vec3::new(length(x), length(y), length(z)));
             PreparedBlock::new(&shapes[k].with_vertices(vertices.collect()))

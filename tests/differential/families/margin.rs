@@ -6,7 +6,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use rockproof_model::decision::{Feature, Predicate, Side};
-use rockproof_model::{Block, Criteria, EdgeId, FaceId, Sign, ToleranceSet, VertexId};
+use rockproof_model::{Block, Criteria, EdgeId, FaceId, Sign, ToleranceSet, VertexId, fraction};
 use rockproof_pairs::batch::{PairCase, PairForm};
 
 pub(crate) type Q = BigRational;
@@ -21,15 +21,17 @@ pub(crate) fn approximate(q: &Q) -> f64 {
 }
 
 pub(crate) fn minus(a: &V, b: &V) -> V {
-    [&a[0] - &b[0], &a[1] - &b[1], &a[2] - &b[2]]
+    [0, 1, 2].map(|k: usize| fraction::difference(&a[k], &b[k]))
 }
 
 pub(crate) fn dot(a: &V, b: &V) -> Q {
-    &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
+    let [x, y, z] = [0, 1, 2].map(|k: usize| fraction::product(&a[k], &b[k]));
+    fraction::sum(&fraction::sum(&x, &y), &z)
 }
 
 pub(crate) fn cross(a: &V, b: &V) -> V {
-    [&a[1] * &b[2] - &a[2] * &b[1], &a[2] * &b[0] - &a[0] * &b[2], &a[0] * &b[1] - &a[1] * &b[0]]
+    let times = |i: usize, j: usize| fraction::product(&a[i], &b[j]);
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| fraction::difference(&times(i, j), &times(j, i)))
 }
 
 fn square(a: &V) -> Q {

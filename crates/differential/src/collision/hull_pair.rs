@@ -178,7 +178,6 @@ impl Ring for Near {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use num_rational::BigRational;
     use rockproof_model::{Number, Point};
 
     /// Numbers at random that are the same in every run.
@@ -211,17 +210,14 @@ mod tests {
         convex_hull(&points).ok()
     }
 
-    /// The sign of `bound` · |direction| − width, by the squares with their signs.
+    /// The sign of `bound` · |direction| − width, by the squares with their signs, times the square of the bound's denominator.
     fn compared(bound: f64, slab: &Slab, bits: u64) -> std::cmp::Ordering {
         if bound.is_infinite() {
             return bound.total_cmp(&0.0);
         }
-        let scale = BigRational::from_integer(BigInt::from(1) << bits);
-        let bound = BigRational::from_float(bound).expect("finite") * scale;
-        let signed_square = |x: BigRational| if x < BigRational::zero() { -(&x * &x) } else { &x * &x };
-        let width = BigRational::from_integer(slab.width.clone());
-        let length2 = BigRational::from_integer(slab.length2.clone());
-        (signed_square(bound) * length2).cmp(&signed_square(width))
+        let (numerator, denominator) = Number::from_f64(bound).expect("finite").to_rational().into_raw();
+        let signed_square = |x: BigInt| if x < BigInt::ZERO { -(&x * &x) } else { &x * &x };
+        (signed_square(numerator << bits) * &slab.length2).cmp(&signed_square(&slab.width * denominator))
     }
 
     #[test]

@@ -4,11 +4,13 @@ use super::*;
 use crate::wide::count_unsettled;
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::{Signed, Zero};
+use num_traits::Signed;
 use proptest::prelude::*;
+use rockproof_model::fraction;
 
+/// Neither here nor in sums, products and quotients by `fraction` are binary fractions reduced by the library, which would take most of the time.
 fn rational(value: f64) -> BigRational {
-    BigRational::from_float(value).unwrap()
+    Number::from_f64(value).unwrap().to_rational()
 }
 
 /// Numbers whose roundings lose all that they may, and those that underflow.
@@ -29,11 +31,11 @@ impl Closest {
         if !ball.is_bounded() {
             return;
         }
-        let off = (rational(ball.middle) - exact).abs();
+        let off = fraction::difference(&rational(ball.middle), exact).abs();
         let radius = rational(ball.radius);
         assert!(off <= radius, "{ball:?} does not hold {exact}");
         if ball.radius > 1e-300 {
-            let share = (&off * BigRational::from_integer(1000.into()) / radius).to_integer();
+            let share = off.numer() * radius.denom() * BigInt::from(1000) / (off.denom() * radius.numer());
             self.0 = self.0.max(i32::try_from(share).unwrap_or(1000).into());
         }
     }
@@ -55,17 +57,20 @@ fn operations_of_every(nth: usize) {
     let (mut sums, mut products, mut quotients, mut roots) = Default::default();
     let radii = |x: f64| [0.0, x.abs() * 0.25, x.abs() * f64::EPSILON, 1e-300];
     let ball = |middle, radius| Ball { middle, radius };
-    let ends = |b: Ball| [rational(b.middle) - rational(b.radius), rational(b.middle) + rational(b.radius)];
+    let ends = |b: Ball| {
+        let (middle, radius) = (rational(b.middle), rational(b.radius));
+        [fraction::difference(&middle, &radius), fraction::sum(&middle, &radius)]
+    };
     let all: Vec<f64> = adversarial();
     for (i, &x) in all.iter().enumerate() {
         for (j, &y) in all.iter().enumerate().filter(|&(j, _)| j % nth == i % nth || j == i ^ 1) {
             let (one, two) = (ball(x, radii(x)[i % 4]), ball(y, radii(y)[(i / 4 + j) % 4]));
             for p in ends(one) {
                 for q in ends(two) {
-                    Closest::holds(&mut sums, one + two, &(&p + &q));
-                    Closest::holds(&mut products, one * two, &(&p * &q));
-                    if !q.is_zero() {
-                        Closest::holds(&mut quotients, one / two, &(&p / &q));
+                    Closest::holds(&mut sums, one + two, &fraction::sum(&p, &q));
+                    Closest::holds(&mut products, one * two, &fraction::product(&p, &q));
+                    if let Some(quotient) = fraction::quotient(&p, &q) {
+                        Closest::holds(&mut quotients, one / two, &quotient);
                     }
                     Closest::holds(&mut sums, one.covering(two), &p);
                     Closest::holds(&mut sums, one.covering(two), &q);

@@ -67,16 +67,19 @@ fn ball<R: Enclosing>(value: R) -> [BigRational; 2] {
     [value.to_number().expect("a number").to_rational(), exactly(value.radius_bound())]
 }
 
-/// How wide the enclosure of a system's solution is, as a share of its largest unknown: after it was held against elimination in 512 bits.
-fn enclosed<R: Enclosing>(system: &Blocks) -> f64 {
+/// What elimination in 512 bits finds.
+fn eliminated(pattern: &Pattern, values: &[Wide], mut right: Vec<Wide>) -> Vec<Wide> {
+    dense(pattern, values, &mut right).expect("a solution");
+    right
+}
+
+/// How wide the enclosure of a system's solution is, as a share of its largest unknown: after it was held against elimination.
+fn enclosed<R: Enclosing>(system: &Blocks, expected: &[Wide]) -> f64 {
     let Blocks { pattern, values, right } = system;
     let own = |all: &[f64]| -> Vec<R> { all.iter().map(|&value| R::from_f64(value)).collect() };
     let mut found = own(right);
     solve_enclosed(pattern, &own(values), &mut found).expect("a solution");
-    let wide = |all: &[f64]| -> Vec<Wide> { all.iter().map(|&value| Wide::of_f64(value)).collect() };
-    let mut expected = wide(right);
-    dense(pattern, &wide(values), &mut expected).expect("a solution");
-    for (found, expected) in found.iter().zip(&expected) {
+    for (found, expected) in found.iter().zip(expected) {
         let ([middle, radius], [known, doubt]) = (ball(*found), ball(*expected));
         let apart = if middle > known { middle - known } else { known - middle };
         assert!(apart <= radius + doubt);
@@ -90,16 +93,31 @@ fn an_enclosure_holds_what_elimination_finds_and_is_narrow() {
     for (seed, stiffer) in [(1, 1.0), (2, 1e3), (3, 1e6)] {
         let system = blocks(seed, stiffer);
         assert!(system.pattern.size() > crate::dynamics::solve::DENSE);
-        let [double, wide] = [enclosed::<Double>(&system), enclosed::<Wide>(&system)];
+        let wide = |all: &[f64]| -> Vec<Wide> { all.iter().map(|&value| Wide::of_f64(value)).collect() };
+        let expected = eliminated(&system.pattern, &wide(&system.values), wide(&system.right));
+        let [double, wide] = [enclosed::<Double>(&system, &expected), enclosed::<Wide>(&system, &expected)];
         assert!((0.0..1e-20).contains(&(double / stiffer)) && double > 0.0, "{double:e} of two f64, {stiffer:e}");
         assert!((0.0..1e-140).contains(&(wide / stiffer)) && wide > 0.0, "{wide:e} of 512 bits, {stiffer:e}");
-        let fewer = in_bits(128, || enclosed::<Wide>(&system));
+        let fewer = in_bits(128, || enclosed::<Wide>(&system, &expected));
         assert!(fewer / stiffer < 1e-30 && fewer > wide, "{fewer:e} of 128 bits, {stiffer:e}");
     }
 }
 
-/// Every entry and every force may be off; the solutions of systems that are off so far, alternately up and down, are held too.
-fn holds_all_that_are_meant<R: Enclosing>(share: f64) {
+/// The solutions of systems whose every entry and every force is off by a share, alternately up and down.
+fn off_by(share: f64) -> Vec<Vec<Wide>> {
+    let Blocks { pattern, values, right } = blocks(4, 1e2);
+    let solved = |turn: usize| {
+        let off = |all: &[f64]| -> Vec<Wide> {
+            let up = |k: usize| if (k >> turn).is_multiple_of(2) { share } else { -share };
+            all.iter().enumerate().map(|(k, &value)| Wide::of_f64(value) + Wide::of_f64(value * up(k))).collect()
+        };
+        eliminated(&pattern, &off(&values), off(&right))
+    };
+    (0..4).map(solved).collect()
+}
+
+/// Every entry and every force may be off; the solutions of systems that are off so far are held too.
+fn holds_all_that_are_meant<R: Enclosing>(share: f64, solutions: &[Vec<Wide>]) {
     let Blocks { pattern, values, right } = blocks(4, 1e2);
     let loose = |all: &[f64]| -> Vec<R> {
         all.iter().map(|&value| R::from_f64(value).with_radius(value.abs() * share)).collect()
@@ -107,14 +125,8 @@ fn holds_all_that_are_meant<R: Enclosing>(share: f64) {
     let mut found = loose(&right);
     solve_enclosed(&pattern, &loose(&values), &mut found).expect("a solution");
     let mut moved = 0;
-    for turn in 0..4usize {
-        let off = |all: &[f64]| -> Vec<Wide> {
-            let up = |k: usize| if (k >> turn).is_multiple_of(2) { share } else { -share };
-            all.iter().enumerate().map(|(k, &value)| Wide::of_f64(value) + Wide::of_f64(value * up(k))).collect()
-        };
-        let mut expected = off(&right);
-        dense(&pattern, &off(&values), &mut expected).expect("a solution");
-        for (found, expected) in found.iter().zip(&expected) {
+    for (turn, expected) in solutions.iter().enumerate() {
+        for (found, expected) in found.iter().zip(expected) {
             let ([middle, radius], [known, doubt]) = (ball(*found), ball(*expected));
             let apart = if middle > known { middle - known } else { known - middle };
             assert!(apart <= &radius + doubt, "turn {turn}, {share:e}");
@@ -126,9 +138,11 @@ fn holds_all_that_are_meant<R: Enclosing>(share: f64) {
 
 #[test]
 fn an_enclosure_holds_the_solutions_of_all_systems_that_are_meant() {
-    holds_all_that_are_meant::<Double>(2f64.powi(-40));
-    holds_all_that_are_meant::<Wide>(2f64.powi(-40));
-    holds_all_that_are_meant::<Wide>(2f64.powi(-300));
+    let (much, little) = (2f64.powi(-40), 2f64.powi(-300));
+    let solutions = off_by(much);
+    holds_all_that_are_meant::<Double>(much, &solutions);
+    holds_all_that_are_meant::<Wide>(much, &solutions);
+    holds_all_that_are_meant::<Wide>(little, &off_by(little));
 }
 
 /// A chain of n springs of 1 between points, both ends held: eigenvalues 2 − 2·cos(kπ/(n + 1)).
