@@ -9,7 +9,7 @@ use rockproof_campaign::run::Ending;
 use rockproof_pairs::batch::{BATCH, PairConfig};
 use rockproof_report::table::grouped;
 use rockproof_results::{Start, on_unprotected};
-use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord};
+use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, PairsMark};
 use rockproof_validation::self_comparison::run::{Comparison, ProgressCounts};
 use rockproof_validation::self_comparison::total::Total;
 use std::io::{IsTerminal, stderr};
@@ -72,7 +72,8 @@ impl Run {
             part: self.part,
         };
         let config = PairConfig::default();
-        let mut record = ComparisonRecord::open(&self.out, plan, &config, Start::of(self.resume, self.overwrite))?;
+        let mut record =
+            ComparisonRecord::open(&self.out, plan, &PairsMark::of(&config), Start::of(self.resume, self.overwrite))?;
         let share = plan.share();
         let comparison = Comparison { paths: PATHS, config: &config, threads: self.threads };
         let seen = ProgressCounts::default();

@@ -9,7 +9,7 @@ use rockproof_pairs::batch::PairConfig;
 use rockproof_results::Start;
 use rockproof_stepper::engine::EngineError;
 use rockproof_validation::self_comparison::paths::{BuiltIn, Paths, Question};
-use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord};
+use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, PairsMark};
 use rockproof_validation::self_comparison::run::{Comparison, ProgressCounts};
 use serde_json::Value;
 use std::path::Path;
@@ -96,7 +96,7 @@ impl Paths for Loses {
 const PLAN: ComparisonPlan = ComparisonPlan { seed: 2, pairs: 32, plain_every: 0, gmp_every: 0, part: None };
 
 fn record(dir: &Path) -> ComparisonRecord {
-    ComparisonRecord::open(dir, PLAN, &PairConfig::default(), Start::Fresh).expect("a directory")
+    ComparisonRecord::open(dir, PLAN, &PairsMark::of(&PairConfig::default()), Start::Fresh).expect("a directory")
 }
 
 /// As after a stop at once.

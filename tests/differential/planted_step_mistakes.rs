@@ -1,7 +1,7 @@
 //! Deliberate mistakes in the stepper's open–close iteration and step control, one at a time: each is found by comparing
 //! its steps with the oracle's on a few scenes, and without a mistake no step differs.
 
-use crate::side_by_side_step::first_difference;
+use crate::side_by_side_step::{ExactSteps, first_difference};
 use crate::step_mistakes::{ALL, Mistake, Mistaken, PLANTING, plant};
 use rockproof_model::scene::{SceneBlock, SceneFormat};
 use rockproof_model::simulation::{PointLoad, Unconverged};
@@ -221,13 +221,13 @@ fn steep_dominoes() -> Case {
 #[test]
 fn every_mistake_is_found_and_none_where_there_is_none() {
     let _alone = PLANTING.lock();
-    let cases = cases();
+    let mut cases: Vec<(Case, ExactSteps)> = cases().into_iter().map(|case| (case, ExactSteps::default())).collect();
     let mut lost = Vec::new();
     for &(mistake, what) in ALL {
         plant(mistake);
-        let found = cases
-            .iter()
-            .find_map(|case| Some((case.name, first_difference::<Mistaken>(&case.scene, &case.set, case.steps)?)));
+        let found = cases.iter_mut().find_map(|(case, oracle)| {
+            Some((case.name, first_difference::<Mistaken>(&case.scene, &case.set, case.steps, oracle)?))
+        });
         println!("{what}: {found:?}");
         if (mistake == Mistake::Nothing) != found.is_none() {
             lost.push((what, found));

@@ -4,13 +4,36 @@ use rockproof_differential::lockstep::state::{exact_mode, exact_state};
 use rockproof_model::{Body, Number, Point, Scene, ToleranceSet};
 use rockproof_oracle::step as exact;
 use rockproof_stepper::dynamics::{Dynamics, StepRules};
+use std::rc::Rc;
 
 /// Lengths that differ by less are the same: f64 leaves 10⁻¹² or so in scenes of a few metres.
 const CLOSE: f64 = 1e-8;
 
+/// The oracle's steps of one scene, by the states that they begin in: whatever rules bring the stepper into one of them, the step is the same.
+#[derive(Default)]
+pub(crate) struct ExactSteps(Vec<(exact::State, Rc<ExactStep>)>);
+
+type ExactStep = Result<exact::StepAnswer, exact::StepFailure>;
+
+impl ExactSteps {
+    fn from(&mut self, model: &exact::StepModel<'_>, before: &exact::State) -> Rc<ExactStep> {
+        if let Some((_, known)) = self.0.iter().find(|(state, _)| state == before) {
+            return Rc::clone(known);
+        }
+        let made = Rc::new(exact::exact_step(model, before, exact::KeptPrecision::Grid { exponent: 80 }));
+        self.0.push((before.clone(), Rc::clone(&made)));
+        made
+    }
+}
+
 /// Runs a scene of f64 numbers by the rules M, and compares each step with the oracle's from the same state: the first
 /// difference in words, if there is one.
-pub(crate) fn first_difference<M: StepRules>(scene: &Scene, set: &ToleranceSet, steps: u32) -> Option<String> {
+pub(crate) fn first_difference<M: StepRules>(
+    scene: &Scene,
+    set: &ToleranceSet,
+    steps: u32,
+    oracle: &mut ExactSteps,
+) -> Option<String> {
     let mut scene = scene.clone();
     scene.derive_stiffness(set);
     let mut dynamics = Dynamics::<f64, M>::with_rules(&scene, set).unwrap();
@@ -19,13 +42,13 @@ pub(crate) fn first_difference<M: StepRules>(scene: &Scene, set: &ToleranceSet, 
     let model = exact::StepModel { shapes: &shapes, bodies: &bodies, simulation: &scene.simulation, tolerances: set };
     for step in 1..=steps {
         let before = exact_state(dynamics.state()).unwrap();
-        let answer = exact::exact_step(&model, &before, exact::KeptPrecision::Grid { exponent: 80 });
+        let answer = oracle.from(&model, &before);
         let report = dynamics.step();
-        let (answer, report) = match (answer, report) {
+        let (answer, report) = match (&*answer, report) {
             (Ok(answer), Ok(report)) => (answer, report),
             (Err(_), Err(_)) => return None,
             (one, other) => {
-                return Some(format!("step {step}: oracle {:?}, stepper {:?}", one.err(), other.err()));
+                return Some(format!("step {step}: oracle {:?}, stepper {:?}", one.as_ref().err(), other.err()));
             }
         };
         let differs = |what: &str| Some(format!("step {step}: {what}"));

@@ -10,7 +10,7 @@ use rockproof_campaign::run::Ending;
 use rockproof_pairs::batch::{BATCH, PairConfig};
 use rockproof_results::{MANIFEST, Start};
 use rockproof_validation::self_comparison::paths::BuiltIn;
-use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, RecordError};
+use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, PairsMark, RecordError};
 use rockproof_validation::self_comparison::run::{Comparison, ProgressCounts};
 use rockproof_validation::self_comparison::total::Total;
 use std::collections::BTreeMap;
@@ -30,7 +30,8 @@ const MORE: u64 = 3 * BATCH;
 fn run_into(dir: &Path, pairs: u64, start: Start) -> Result<Ending, RecordError> {
     let plan = ComparisonPlan { seed: 3, pairs, plain_every: 0, gmp_every: 0, part: None };
     let config = PairConfig::default();
-    let mut record = ComparisonRecord::open(dir, plan, &config, start)?;
+    static MARK: OnceLock<PairsMark> = OnceLock::new();
+    let mut record = ComparisonRecord::open(dir, plan, MARK.get_or_init(|| PairsMark::of(&config)), start)?;
     let comparison = Comparison { paths: &BuiltIn, config: &config, threads: 1 };
     comparison.run(&mut record, &AtomicBool::new(false), &ProgressCounts::default())
 }

@@ -12,12 +12,15 @@ use rockproof_stepper::engine::EngineError;
 use rockproof_validation::self_comparison::compare::{OtherPaths, compare};
 use rockproof_validation::self_comparison::disagreement::DisagreementRow;
 use rockproof_validation::self_comparison::paths::{BuiltIn, PathName, Paths, Question};
-use rockproof_validation::self_comparison::record::{ComparisonPlan, ComparisonRecord, MAX_CASES, RecordError};
+use rockproof_validation::self_comparison::record::{
+    ComparisonPlan, ComparisonRecord, MAX_CASES, PairsMark, RecordError,
+};
 use rockproof_validation::self_comparison::run::{Comparison, ProgressCounts};
 use rockproof_validation::self_comparison::total::Total;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Two batches of every family, more or less.
@@ -117,7 +120,8 @@ fn run_until(
     stop: &AtomicBool,
 ) -> Result<Ending, RecordError> {
     let config = PairConfig::default();
-    let mut record = ComparisonRecord::open(dir, plan, &config, start)?;
+    static MARK: OnceLock<PairsMark> = OnceLock::new();
+    let mut record = ComparisonRecord::open(dir, plan, MARK.get_or_init(|| PairsMark::of(&config)), start)?;
     Comparison { paths, config: &config, threads }.run(&mut record, stop, &ProgressCounts::default())
 }
 

@@ -46,8 +46,7 @@ fn first(lengths: &[(BigRational, Place)], greatest: bool) -> Place {
 }
 
 fn squared_distance(p: &Vec3<BigRational>, q: &Vec3<BigRational>) -> BigRational {
-    let squared = |a: &BigRational, b: &BigRational| (a - b) * (a - b);
-    squared(&p.x, &q.x) + squared(&p.y, &q.y) + squared(&p.z, &q.z)
+    p.minus(q).norm_squared()
 }
 
 proptest! {

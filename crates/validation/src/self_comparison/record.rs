@@ -40,10 +40,10 @@ impl ComparisonPlan {
     }
 
     /// What must be the same for a run to go on.
-    fn identity(&self, config: &PairConfig) -> Map<String, Value> {
+    fn identity(&self, mark: &PairsMark) -> Map<String, Value> {
         let mut identity = Map::new();
         identity.insert(VERSION.to_owned(), env!("CARGO_PKG_VERSION").into());
-        identity.insert(GENERATOR.to_owned(), generator(config).into());
+        identity.insert(GENERATOR.to_owned(), mark.0.clone().into());
         let part = self.part.map(|part| part.to_string());
         let numbers = [
             ("seed", self.seed),
@@ -64,16 +64,24 @@ pub(super) const GENERATOR: &str = "generator";
 /// The key of the plan that may grow from one session to the next.
 const PAIRS: &str = "pairs";
 
-/// SHA-256 of the coordinates and tolerances in one batch of each family of seed 0: other versions may make other pairs of a seed.
-fn generator(config: &PairConfig) -> String {
-    let mut text = String::new();
-    for case in (0..config.families.len() as u64).flat_map(|number| batch(0, number, config)) {
-        let coordinates = [&case.a, &case.b].into_iter().flat_map(|block| block.vertices()).flat_map(Vec3::components);
-        let tolerances = case.sets.iter().flat_map(|set| [&set.f32, &set.f64]).flat_map(ToleranceSet::numbers);
-        let numbers = coordinates.chain(tolerances.map(|(_, number)| number)).map(Number::to_string);
-        text += &format!("{} {}\n", case.family, numbers.collect::<Vec<_>>().join(" "));
+/// What tells which pairs a seed makes: SHA-256 of the coordinates and tolerances in one batch of each family of seed 0, since other versions may make
+/// other pairs of a seed. To make these batches takes as long as to compare some: who opens many records makes it once.
+#[derive(Clone, Debug)]
+pub struct PairsMark(String);
+
+impl PairsMark {
+    /// The mark of what these settings make.
+    pub fn of(config: &PairConfig) -> PairsMark {
+        let mut text = String::new();
+        for case in (0..config.families.len() as u64).flat_map(|number| batch(0, number, config)) {
+            let coordinates =
+                [&case.a, &case.b].into_iter().flat_map(|block| block.vertices()).flat_map(Vec3::components);
+            let tolerances = case.sets.iter().flat_map(|set| [&set.f32, &set.f64]).flat_map(ToleranceSet::numbers);
+            let numbers = coordinates.chain(tolerances.map(|(_, number)| number)).map(Number::to_string);
+            text += &format!("{} {}\n", case.family, numbers.collect::<Vec<_>>().join(" "));
+        }
+        PairsMark(digest(text.as_bytes()))
     }
-    digest(text.as_bytes())
 }
 
 /// The content of `comparison.json`.
@@ -146,10 +154,10 @@ impl ComparisonRecord {
     pub fn open(
         dir: &Path,
         plan: ComparisonPlan,
-        config: &PairConfig,
+        mark: &PairsMark,
         start: Start,
     ) -> Result<ComparisonRecord, RecordError> {
-        let configuration = plan.identity(config);
+        let configuration = plan.identity(mark);
         let mut directory = Directory::claim(Claim { dir, owner: Owner::SelfComparison, start, files: &FILES })?;
         // Tables of counts are written when a run ends: there was a state.
         if directory.resumes() && directory.has(TOTALS) && !directory.has(STATE) {
