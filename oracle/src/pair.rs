@@ -1,7 +1,7 @@
 //! A pair of blocks, and its exact vectors for when f64 cannot decide.
 
 use crate::field::DoubleBall;
-use crate::number::{Bits, Fixed, Int128, Magnitude};
+use crate::number::{Ball, Bits, Fixed, Int128, Magnitude};
 use crate::own_lattice::{OwnLattice, SMALL_BITS};
 use crate::prepared_block::PreparedBlock;
 use crate::trace::Recordings;
@@ -11,8 +11,8 @@ use num_traits::Signed;
 use rockproof_model::decision::Side;
 use rockproof_model::lattice::Lattice;
 use rockproof_model::number::power_of_two;
-use rockproof_model::{Ring, Topology, Vec3};
-use std::cell::OnceCell;
+use rockproof_model::{Entrance, Ring, Topology, Vec3};
+use std::cell::{OnceCell, RefCell};
 
 /// 256-bit integers.
 pub(crate) type Int256 = Fixed<256, 4>;
@@ -30,6 +30,8 @@ pub struct Pair<'s> {
     pub(crate) b: &'s PreparedBlock,
     grid: OnceCell<PairLattice>,
     double: Made<'s, DoubleBall>,
+    /// Planes of entrances that were compared, as [`crate::predicate::sharp_plane`] has them.
+    pub(crate) planes: RefCell<Vec<(Entrance, (Ball, Ball))>>,
     small: Made<'s, Int128>,
     int256: Made<'s, Int256>,
     int512: Made<'s, Int512>,
@@ -169,6 +171,7 @@ impl<'s> Pair<'s> {
             b,
             grid: OnceCell::new(),
             double: OnceCell::new(),
+            planes: RefCell::default(),
             small: OnceCell::new(),
             int256: OnceCell::new(),
             int512: OnceCell::new(),
@@ -209,6 +212,11 @@ impl<'s> Pair<'s> {
     /// coordinates smaller than 1.
     pub(crate) fn double(&self) -> &ExactPair<'s, DoubleBall> {
         self.double.get_or_init(|| Box::new(self.in_double(|ball| ball)))
+    }
+
+    /// Whether [`Pair::double`] is there already.
+    pub(crate) fn is_in_double(&self) -> bool {
+        self.double.get().is_some()
     }
 
     /// [`Pair::double`] with something made of each coordinate.

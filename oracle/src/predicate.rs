@@ -44,6 +44,8 @@ pub(crate) trait Polynomial {
     const WITHIN_BLOCKS: bool = false;
     /// Whether balls are asked: not where they hardly ever tell more than what is asked before.
     const IN_BALLS: bool = true;
+    /// Whether it compares planes, which are asked before balls of two f64 ([`Polynomial::value_of_planes`]).
+    const IN_PLANES: bool = false;
     /// Whether balls of two f64 are asked before integers: where values near zero are near-ties more often than ties, and integers long.
     const IN_DOUBLE: bool = false;
     /// What the value in lattice units is multiplied by besides, since tolerances are integers over a denominator there.
@@ -62,6 +64,10 @@ pub(crate) trait Polynomial {
     }
     /// What proves the value to be zero with fewer digits, if anything may.
     fn ties_with(&self, _tolerances: &ToleranceSet) -> Option<EqualGaps> {
+        None
+    }
+    /// The value from the planes that it compares, as [`plane`] has them; `None` where it compares none.
+    fn value_of_planes<T: Ring>(&self, _plane: impl Fn(&Entrance) -> (T, T), _scales: &Scales<T>) -> Option<T> {
         None
     }
     /// What the value in f64 is off by at most, from the sizes that its parts have; `None` where these tell no more than a bound known beforehand.

@@ -4,6 +4,7 @@ mod integer_width;
 mod margins;
 mod parts;
 mod planes;
+mod sharp_planes;
 
 pub(crate) use integer_width::bits_within;
 pub(crate) use margins::Margins;
@@ -15,7 +16,7 @@ use crate::number::{Approx, Ball, Bits, INFLATION, Int128};
 use crate::pair::{FromUnits, Int256, Int512, Int1024, Pair};
 use crate::predicate::{AsEdgeAlongNormal, Denominator, Polynomial, SIGN_SLOTS};
 use crate::unit_bounds::{SizePowers, UnitBounds, unit_bounds_for};
-use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales};
+use crate::view::{BallView, BitsView, BoundView, ExactPair, ExactView, FloatView, LazyScales, Scales, View};
 use num_bigint::BigInt;
 use rockproof_model::ring::ExactRing;
 use rockproof_model::{Sign, ToleranceSet};
@@ -224,7 +225,9 @@ impl<'p, 's> SignCascade<'p, 's> {
             floats: self.float_view(),
             scales: LazyScales { made: &self.balls, make: &|| Scales::balls(tolerances) },
         };
-        let ball = P::IN_BALLS.then(|| polynomial.value(&balls));
+        // Where the pair is there in balls of two f64, planes in them tell more, and are known or soon will be.
+        let by_planes = P::IN_PLANES && pair.is_in_double();
+        let ball = (P::IN_BALLS && !by_planes).then(|| polynomial.value(&balls));
         if let Some(sign) = ball.and_then(Ball::certain_sign) {
             self.levels.ball += 1;
             return sign;
@@ -234,6 +237,12 @@ impl<'p, 's> SignCascade<'p, 's> {
         {
             self.levels.fixed[0] += 1;
             return Sign::Zero;
+        }
+        if P::IN_PLANES
+            && let Some(sign) = self.sign_by_sharp_planes(polynomial, balls.scales())
+        {
+            self.levels.ball += 1;
+            return sign;
         }
         let enclosed = if P::IN_DOUBLE {
             let ball = self.double_ball(polynomial);

@@ -10,7 +10,7 @@ use crate::predicate::*;
 use crate::prepared_block::PreparedBlock;
 use crate::sign_cascade::SignCascade;
 use crate::unit_bounds::unit_bounds_for;
-use crate::view::{BallView, BoundView, ExactView, FloatView, LazyScales, Scales};
+use crate::view::{BallView, BoundView, ExactView, FloatView, LazyScales, Scales, View};
 use in_integers::{InIntegers, PolynomialInIntegers};
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -31,6 +31,7 @@ mod parts;
 mod places;
 mod planes;
 mod replayed;
+mod sharp_planes;
 mod ties;
 mod vectors;
 
@@ -179,18 +180,20 @@ struct Seen {
     by_pair_bound: u64,
     by_parts: u64,
     by_ball: u64,
+    by_planes: u64,
     by_double: u64,
     enclosed: integer_width::Seen,
 }
 
 impl std::ops::AddAssign for Seen {
     fn add_assign(&mut self, other: Seen) {
-        let Seen { signs, by_unit_bound, by_pair_bound, by_parts, by_ball, by_double, enclosed } = other;
+        let Seen { signs, by_unit_bound, by_pair_bound, by_parts, by_ball, by_planes, by_double, enclosed } = other;
         self.signs.iter_mut().zip(signs).for_each(|(sum, count)| *sum += count);
         self.by_unit_bound += by_unit_bound;
         self.by_pair_bound += by_pair_bound;
         self.by_parts += by_parts;
         self.by_ball += by_ball;
+        self.by_planes += by_planes;
         self.by_double += by_double;
         self.enclosed += enclosed;
     }
@@ -280,6 +283,10 @@ impl Visitor for Checker<'_, '_> {
         if let Some(sign) = p.value(&ball_view).certain_sign() {
             assert_eq!(sign, exact, "ball, slot {slot}, {about}");
             seen.by_ball += 1;
+        }
+        if let Some(sign) = self.run.sign_by_sharp_planes(p, ball_view.scales()) {
+            assert_eq!(sign, exact, "sharp planes, slot {slot}, {about}");
+            seen.by_planes += 1;
         }
         if let Some(sign) = self.run.double_ball(p).certain_sign() {
             assert_eq!(sign, exact, "two f64, slot {slot}, {about}");
@@ -455,6 +462,7 @@ fn prove_no_wrong_sign(rounds: usize) {
     let Walk { seen, levels, .. } = all;
     // The widths of integers are reached by what they are for.
     assert!(levels.fixed.into_iter().chain([levels.i128, levels.heap]).all(|count| count > 100), "{levels:?}");
+    let sharp = |slot: &usize| (LargerGap::FIRST_SLOT..LargerGap::FIRST_SLOT + LargerGap::VARIANTS).contains(slot);
     for (slot, seen) in &seen {
         assert!(
             seen.by_unit_bound > 0 && seen.by_pair_bound > 0 && seen.by_ball > 0 && seen.by_double > 0,
@@ -465,6 +473,7 @@ fn prove_no_wrong_sign(rounds: usize) {
             seen.by_double,
             seen.signs
         );
+        assert_eq!(seen.by_planes > 0, sharp(slot), "slot {slot}: {} by planes", seen.by_planes);
         assert!(seen.signs[0] > 0 && seen.signs[2] > 0, "slot {slot}: signs seen {:?}", seen.signs);
     }
     parts::check_use(&seen);

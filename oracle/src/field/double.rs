@@ -4,7 +4,7 @@
 //! (2022), 25/8·u². [`ROUNDING`] covers all.
 
 use super::{Field, Halve, UpperBound, dyadic};
-use crate::number::{INFLATION, SMALLEST_POSITIVE, UNDERFLOW, UNIT_ROUNDOFF};
+use crate::number::{Ball, INFLATION, SMALLEST_POSITIVE, UNDERFLOW, UNIT_ROUNDOFF};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{ToPrimitive, Zero};
@@ -92,6 +92,11 @@ impl DoubleBall {
     /// At least the size of every value enclosed.
     pub(crate) fn size(&self) -> f64 {
         (self.high.abs() + self.low.abs() + self.radius) * INFLATION
+    }
+
+    /// A ball of f64 around all values enclosed.
+    pub(crate) fn as_ball(&self) -> Ball {
+        Ball { middle: self.high, radius: (self.low.abs() + self.radius) * INFLATION }
     }
 
     /// The f64 nearest to every value enclosed, if that is the same for all.

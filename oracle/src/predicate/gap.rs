@@ -1,7 +1,8 @@
 //! Gaps of entrance planes, their limits and their order.
 
 use super::*;
-use crate::number::Bound;
+use crate::field::DoubleBall;
+use crate::number::{Ball, Bound};
 
 /// The gap of a plane, unnormalised: `P = h·√Q`.
 ///
@@ -155,6 +156,7 @@ impl Polynomial for LargerGap {
     const DEGREE: usize = 10;
     const DENOMINATOR: Denominator = Denominator::WholeSquared;
     // Planes of neighbouring features have gaps that are nearly the same.
+    const IN_PLANES: bool = true;
     const IN_DOUBLE: bool = true;
     fn variant(&self) -> usize {
         (kind_of(&self.first) * 3 + kind_of(&self.second)) * 3 + self.factor as usize
@@ -165,6 +167,9 @@ impl Polynomial for LargerGap {
     fn ties_with(&self, tolerances: &ToleranceSet) -> Option<EqualGaps> {
         let factor_is_one = self.factor == Factor::One || tolerances.equal.is_zero();
         factor_is_one.then_some(EqualGaps { first: self.first, second: self.second })
+    }
+    fn value_of_planes<T: Ring>(&self, plane: impl Fn(&Entrance) -> (T, T), scales: &Scales<T>) -> Option<T> {
+        Some(self.of_planes(plane(&self.first), plane(&self.second), scales))
     }
     fn error_by_parts(&self, parts: &Parts<'_, '_, '_>) -> Option<f64> {
         Some(
@@ -181,6 +186,13 @@ impl LargerGap {
         let factor = self.factor.of(scales).squared();
         whole.times(&p1.squared().times(&q2)).minus(&factor.times(&p2.squared().times(&q1)))
     }
+}
+
+/// `P` and `Q` of a plane as balls of f64, of an n in balls of two: P is a small difference of large products, and f64 has few of its digits.
+pub(crate) fn sharp_plane<V: View<T = DoubleBall>>(view: &V, entrance: &Entrance) -> (Ball, Ball) {
+    let (n, w, count) = terms(view, entrance);
+    let size = n.map(DoubleBall::as_ball).norm_squared();
+    (n.dot(&w).as_ball(), count.as_ball().squared().times(&size))
 }
 
 /// `P` and `Q` of a plane as parts of a value.
