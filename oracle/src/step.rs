@@ -16,6 +16,7 @@ mod decisions;
 mod frame;
 mod friction;
 mod islands;
+mod known_neighbours;
 mod margin;
 mod open_close_iteration;
 mod prepare;
@@ -31,7 +32,8 @@ pub use answer::{
     StepFailure, StepModel, UNCHANGED_SOLVES,
 };
 pub use cascade::StepLevelCounts;
+pub use known_neighbours::KnownNeighbours;
 pub use margin::{DecidedAttempt, ModeMargin, friction_margins, mode_margins};
-pub use prepare::neighbours;
+pub use prepare::{known_contacts, neighbours};
 pub use run::{certified_step, certified_step_with, enclosed_step, exact_step, exact_step_with, first_system};
 pub use state::{BlockState, ContactMemory, KeptPrecision, Mode, State};

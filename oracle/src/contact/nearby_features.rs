@@ -118,10 +118,23 @@ impl Pair<'_> {
     /// As [`Pair::classify_with_kept`]: only the pairs of features `nearby` are looked at if the blocks are proved to be near where these were found, and all if
     /// not. The contacts are the same.
     pub fn classify_nearby(&self, tolerances: &ToleranceSet, nearby: &NearbyFeatures, kept: &[ContactKey]) -> Answer {
+        self.classify_if_near(tolerances, nearby, kept).unwrap_or_else(|| self.classify_with_kept(tolerances, kept))
+    }
+
+    /// The same where the blocks are proved to be near; `None` where they are not.
+    pub fn classify_if_near(
+        &self,
+        tolerances: &ToleranceSet,
+        nearby: &NearbyFeatures,
+        kept: &[ContactKey],
+    ) -> Option<Answer> {
         let mut run = Classification::new(self, tolerances, Unobserved);
         run.kept = kept;
-        let contacts = if nearby.cover(&run) { run.classify_among(&nearby.pairs) } else { run.classify() };
-        Answer { contacts, levels: run.cascade.levels }
+        if !nearby.cover(&run) {
+            return None;
+        }
+        let contacts = run.classify_among(&nearby.pairs);
+        Some(Answer { contacts, levels: run.cascade.levels })
     }
 }
 

@@ -3,6 +3,7 @@
 use super::answer::{StepFailure, StepModel};
 use super::approximate::Layout;
 use super::attempt::{Attempt, Joint, force_at};
+use super::known_neighbours::KnownNeighbours;
 use super::state::{ContactsByPair, State};
 use super::strength;
 use super::transfer::{StartingContact, transfer};
@@ -41,8 +42,7 @@ impl<'a> PreparedStep<'a> {
         state: &'a State,
         known: Option<Vec<([usize; 2], Contact)>>,
     ) -> Result<PreparedStep<'a>, StepFailure> {
-        let moved = |(shape, block): (&&Block, &super::BlockState)| shape.with_vertices(block.vertices.clone());
-        let blocks: Vec<Block> = model.shapes.iter().zip(&state.blocks).map(moved).collect();
+        let blocks = blocks_at(model, state);
         if !model.bodies.iter().all(|body| mass::is_elastic(&model.simulation.materials[body.material])) {
             return Err(StepFailure::NoElasticity);
         }
@@ -120,6 +120,26 @@ fn contacts(model: &StepModel<'_>, blocks: &[Block], state: &State) -> (Vec<([us
         found.extend(answer.contacts.into_iter().map(|contact| ([i, j], contact)));
     }
     (found, levels)
+}
+
+/// The contacts that a step finds in a state, for [`super::certified_step_with`]; of pairs of blocks that have hardly moved since earlier steps, by what is known
+/// of them.
+pub fn known_contacts(model: &StepModel<'_>, state: &State, known: &mut KnownNeighbours) -> Vec<([usize; 2], Contact)> {
+    let prepared: Vec<PreparedBlock> = blocks_at(model, state).iter().map(PreparedBlock::new).collect();
+    let before = ContactsByPair::new(&state.contacts);
+    known.begin_step();
+    let mut found = Vec::new();
+    for [i, j] in neighbours(model, &prepared) {
+        let pair = Pair::new(&prepared[i], &prepared[j]);
+        let contacts = known.contacts([i, j], &pair, model.tolerances, &before.kept([i, j]));
+        found.extend(contacts.into_iter().map(|contact| ([i, j], contact)));
+    }
+    found
+}
+
+fn blocks_at(model: &StepModel<'_>, state: &State) -> Vec<Block> {
+    let moved = |(shape, block): (&&Block, &super::BlockState)| shape.with_vertices(block.vertices.clone());
+    model.shapes.iter().zip(&state.blocks).map(moved).collect()
 }
 
 /// The pairs of blocks that a step classifies, in this order: not both fixed, and not proved by f64 to be out of reach; ascending.

@@ -16,7 +16,7 @@ use crate::lockstep::state_errors::{anchor_error, displacement_error, velocity_e
 use crate::lockstep::wide::{WideDecisions, WideError, WideStepper};
 use rockproof_model::{Block, ContactKey, Precision, Scene, ToleranceSet};
 use rockproof_oracle::PreparedBlock;
-use rockproof_oracle::step::{self as exact, CertifiedStep, KeptPrecision, StepAnswer, StepFailure};
+use rockproof_oracle::step::{self as exact, CertifiedStep, KeptPrecision, KnownNeighbours, StepAnswer, StepFailure};
 use rockproof_stepper::dynamics::{
     Dynamics, PrescribedAttempt, PrescribedStep, SetupError, Solve, State, StepError, StepReport, StepRules,
 };
@@ -118,6 +118,8 @@ pub struct Lockstep<R, M> {
     wide: Option<WideStepper<M>>,
     /// Pairs whose contacts differed in the last step by some cause: in the next one, in all likelihood, they do again.
     differing: BTreeSet<[u32; 2]>,
+    /// What steps know of neighbours: of the scene as it is with ideal tolerances, with its own, and as the engine has it.
+    known: [KnownNeighbours; 3],
 }
 
 /// What the oracle decided in a step, or why it cannot make it.
@@ -150,7 +152,8 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let ideal = given.with_tolerances(set.ideal());
         let begin = dynamics.state().clone();
         let (watches, wide, differing) = (false, None, BTreeSet::new());
-        Ok(Lockstep { dynamics, begin, ideal, given, rounded, same, precision, links, watches, wide, differing })
+        let known = Default::default();
+        Ok(Lockstep { dynamics, begin, ideal, given, rounded, same, precision, links, watches, wide, differing, known })
     }
 
     /// The same lockstep, which also looks for passages within its steps and for unseen overlaps after them.
@@ -239,15 +242,17 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
         let begin_prepared = prepare(&begin_blocks);
         let there = ClassifiedBlocks::new(&begin_blocks, &begin_prepared);
         let unrounded = begin.as_ref().map_or((start, &here), |begin| (begin, &there));
-        let contacts = here.contacts(&self.rounded, start, &self.differing);
+        let mut known = std::mem::take(&mut self.known);
+        let [of_ideal, of_given, of_rounded] = &mut known;
+        let contacts = here.contacts(&self.rounded, start, &self.differing, of_rounded);
         let make = || self.rounded.step_with(start, KEPT_PRECISION, contacts);
         let (exact, links) = match self.links {
             ComparedLinks::Arithmetic => (make(), None),
             ComparedLinks::All => {
                 let alike = self.same && begin.is_none();
                 let (state, blocks) = unrounded;
-                let found = |scene| blocks.contacts(scene, state, &self.differing);
-                let (ideal, given) = (found(&self.ideal), (!alike).then(|| found(&self.given)));
+                let found = |scene, known| blocks.contacts(scene, state, &self.differing, known);
+                let (ideal, given) = (found(&self.ideal, of_ideal), (!alike).then(|| found(&self.given, of_given)));
                 let decide = || ExactLinks {
                     ideal: self.ideal.decide_with(state, ideal),
                     given: given.map(|given| self.given.decide_with(state, given)),
@@ -256,6 +261,7 @@ impl<R: Solve, M: StepRules> Lockstep<R, M> {
                 (exact, Some(links))
             }
         };
+        self.known = known;
         if let Some(links) = links {
             let decided = exact.as_ref().map(StepDecisions::of_oracle).map_err(Clone::clone);
             self.attribute_links(links, unrounded, (start, &here), &decided, compared);
