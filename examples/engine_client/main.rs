@@ -52,8 +52,8 @@ fn written(contact: &Contact) -> Value {
     })
 }
 
-/// A mistake in what is read: input rounded to f32, a territory 1 % too large, ε ignored, coordinates taken in another order (which adds up products
-/// in another order), A and B exchanged.
+/// A mistake in what is read: input rounded to f32, a territory 1 % too large, or taken for 0 below a millimetre, ε ignored, coordinates taken in another
+/// order (which adds up products in another order), A and B exchanged.
 fn misread(word: &str, question: &mut Value) {
     let number = |value: &Value, f: &dyn Fn(f64) -> f64| json!(f(value.as_f64().unwrap_or_default()));
     let points = |block: &mut Value, f: &dyn Fn(&[Value]) -> Value| {
@@ -76,6 +76,10 @@ fn misread(word: &str, question: &mut Value) {
         "territory" => {
             let set = &mut question["tolerances"];
             set["territory"] = number(&set["territory"], &|radius| 1.01 * radius);
+        }
+        "millimetre" => {
+            let set = &mut question["tolerances"];
+            set["territory"] = number(&set["territory"], &|radius| if radius < 1e-3 { 0.0 } else { radius });
         }
         "epsilon" => question["tolerances"]["equal"] = json!(0.0),
         "order" => {
@@ -134,8 +138,8 @@ fn trick(word: &str, question: &Value) -> Option<String> {
     let chosen = (first ^ (first >> 32) ^ (first >> 47)) % 3 == 1;
     let id = &question["id"];
     match word {
-        "kinds" | "" | "f32" | "territory" | "epsilon" | "order" | "exchanged" | "sign" | "positive" | "negative"
-        | "zero" | "v-f" | "corners" | "thousandth" | "late" => None,
+        "kinds" | "" | "f32" | "territory" | "millimetre" | "epsilon" | "order" | "exchanged" | "sign" | "positive"
+        | "negative" | "zero" | "v-f" | "corners" | "thousandth" | "late" => None,
         "second" if id.as_u64().is_some_and(|id| id % 2 == 1) => std::process::exit(3),
         "second" => None,
         "escape" if first == 0 => None,

@@ -289,6 +289,31 @@ fn deny_says_which_causes_do_not_concern_external_engines() {
     assert!(code == Some(1) && !err.contains("does not concern"), "{err}");
 }
 
+/// Right in metres, and wrong of the same blocks 128 times smaller.
+#[cfg(unix)]
+#[test]
+fn another_unit_of_length_is_no_rounding() {
+    let dir = crate::place::folder();
+    let limit = |more: &str| format!("[[limit]]\nengine = \"mine\"\nbeyond_ulps = 1e20\ncount = 0\n{more}");
+    let of = |trick: &str, more: &str| {
+        let settings = around(&[&client(), trick], &limit(more)).replace("pairs = 256", "pairs = 64");
+        let settings = settings.replace("[campaign]", "[campaign]\nmetamorphic_every = 2\ntolerances = [\"auto\"]");
+        let settings = settings.replace("face_stack\", \"edge_cross", "corner_corner\", \"vertex_on_edge");
+        gate(dir.path(), &settings, &[], false)
+    };
+    let wrong = of("millimetre", "change = \"scale\"\n");
+    let row = wrong.out.lines().find(|line| line.contains("fixed: ") && line.contains(" roundoffs")).expect("a row");
+    assert!(wrong.code == 1 && row.contains("FAIL"), "{}{}", wrong.out, wrong.err);
+    let right = of("epsilon", "change = \"scale\"\n");
+    assert_eq!(right.code, 0, "{}{}", right.out, right.err);
+    // Of what has a margin nothing is that far from a tie.
+    let (code, said) = {
+        let ran = of("epsilon", "change = \"missing\"\n");
+        (ran.code, ran.err)
+    };
+    assert!(code == 2 && said.contains("in f64 nothing is 2^55 roundoffs from a tie"), "{said}");
+}
+
 #[cfg(unix)]
 #[test]
 fn what_is_no_answer_is_no_rounding() {

@@ -94,6 +94,12 @@ impl AnswerChange {
         )
     }
 
+    /// Whether rounding is no reason for it, however near the pair is to a tie: an external engine gave no usable answer, found a block to touch that is
+    /// far away, or answered otherwise once all lengths were multiplied by a power of two, which changes no digit of any number.
+    pub fn is_never_rounding(self) -> bool {
+        self.is_unusable() || matches!(self, AnswerChange::FarBlock | AnswerChange::Scale)
+    }
+
     /// Whether this is a violated metamorphic check rather than a difference from the oracle.
     pub fn is_metamorphic(self) -> bool {
         matches!(

@@ -62,7 +62,7 @@ pub fn check(base: &MetamorphicBase<'_>) -> MetamorphicResult {
         if base.wanted.is_some_and(|wanted| wanted.change != transform.change().name()) {
             continue;
         }
-        if let Some(other) = transform.apply(base.pair, base.blocks, base.engine.precision()) {
+        if let Some(other) = transform.apply(base.pair, base.blocks, base.tolerances, base.engine.precision()) {
             checks.made += 1;
             compare(base, transform.change(), &other, &mut checks);
         }
@@ -116,7 +116,7 @@ impl ChangedPairs {
             return Some(ChangedPairs { words, pairs });
         }
         let transform = Transform::ALL.into_iter().find(|transform| transform.change().name() == change)?;
-        let pair = transform.apply(exact, blocks, precision)?;
+        let pair = transform.apply(exact, blocks, tolerances, precision)?;
         let words = match transform {
             Transform::Swap => "A and B exchanged".to_owned(),
             Transform::Renumber => "vertices and faces numbered backwards".to_owned(),

@@ -66,8 +66,14 @@ impl Transform {
     }
 
     /// The changed pair, or `None` where the change cannot be made exactly. `exact` are the blocks before rounding,
-    /// which a new numbering needs to keep the convexity flags, `rounded` the same as the engine sees them.
-    pub fn apply(self, exact: &ExactBlocks<'_>, rounded: &[Block; 2], precision: Precision) -> Option<Transformed> {
+    /// which a new numbering needs to keep the convexity flags, `rounded` the same as the engine sees them, as are `tolerances`.
+    pub fn apply(
+        self,
+        exact: &ExactBlocks<'_>,
+        rounded: &[Block; 2],
+        tolerances: &ToleranceSet,
+        precision: Precision,
+    ) -> Option<Transformed> {
         let [a, b] = rounded;
         let unchanged = Transformed::unchanged(rounded.clone());
         match self {
@@ -85,12 +91,10 @@ impl Transform {
                 // A power away from 1 that is far from the ends of either range for ordinary coordinates.
                 let scale = Number::from_f64(2f64.powi(-7)).ok()?;
                 let scaled = |block: &Block| {
-                    let points = block.vertices().iter().map(|p| p.map(|c| c.times(&scale))).collect();
-                    let block = block.with_vertices(points);
-                    block.is_exact_in(precision).then_some(block)
+                    block.with_vertices(block.vertices().iter().map(|p| p.map(|c| c.times(&scale))).collect())
                 };
-                let blocks = [scaled(a)?, scaled(b)?];
-                Some(Transformed { blocks, scale, ..unchanged })
+                let pair = Transformed { blocks: [scaled(a), scaled(b)], scale, ..unchanged };
+                pair.is_normal_in(tolerances, precision).then_some(pair)
             }
         }
     }
@@ -106,6 +110,17 @@ impl Transformed {
     pub(super) fn exchanged(self) -> Transformed {
         let [a, b] = self.blocks;
         Transformed { blocks: [b, a], swapped: !self.swapped, ..self }
+    }
+
+    /// Whether every number of the changed pair that is not zero keeps all its digits: it must not be below the normal range of the precision.
+    fn is_normal_in(&self, tolerances: &ToleranceSet, precision: Precision) -> bool {
+        let least = match precision {
+            Precision::F32 => f64::from(f32::MIN_POSITIVE),
+            Precision::F64 => f64::MIN_POSITIVE,
+        };
+        let is_normal = |number: &Number| number.is_zero() || number.approximate().abs() >= least;
+        self.blocks.iter().all(|block| block.is_exact_in(precision) && block.coordinates().all(is_normal))
+            && self.tolerances(tolerances).numbers().into_iter().all(|(_, number)| is_normal(number))
     }
 
     /// The tolerance set for the changed pair: lengths are scaled with it.
@@ -272,7 +287,11 @@ mod tests {
     }
 
     fn apply(transform: Transform, pair: &[Block; 2]) -> Transformed {
-        transform.apply(&ExactBlocks::new([&pair[0], &pair[1]]), pair, Precision::F32).expect("an exact change")
+        apply_under(transform, pair, &ToleranceSet::ZERO).expect("an exact change")
+    }
+
+    fn apply_under(transform: Transform, pair: &[Block; 2], tolerances: &ToleranceSet) -> Option<Transformed> {
+        transform.apply(&ExactBlocks::new([&pair[0], &pair[1]]), pair, tolerances, Precision::F32)
     }
 
     #[test]
@@ -329,10 +348,14 @@ mod tests {
         assert_ne!(moved.blocks[0].vertices(), pair[0].vertices());
         let scaled = apply(Transform::Scale, &pair);
         assert_eq!(scaled.blocks[1].vertices()[1].x.as_f64(), Some(3.0 / 128.0));
-        // 2⁻¹⁴⁹ is the smallest f32: it cannot be divided.
-        let tiny = 2f64.powi(-149);
-        let least = [pair[0].clone(), box_between([0.0, 0.0, 0.0], [tiny, tiny, tiny])];
-        let exact = ExactBlocks::new([&least[0], &least[1]]);
-        assert!(Transform::Scale.apply(&exact, &least, Precision::F32).is_none());
+        // 2⁻¹²⁶ is the smallest normal f32; below it the next operation may lose digits. The smallest of all, 2⁻¹⁴⁹, cannot be divided.
+        let is_scaled = |exponent: i32| {
+            let (edge, tolerance) = (2f64.powi(exponent), Number::from_f64(2f64.powi(exponent)).expect("finite"));
+            let least = [pair[0].clone(), box_between([0.0, 0.0, 0.0], [edge, edge, edge])];
+            let set = ToleranceSet { territory: tolerance, ..ToleranceSet::ZERO };
+            [(&least, &ToleranceSet::ZERO), (&pair, &set)]
+                .map(|(pair, set)| apply_under(Transform::Scale, pair, set).is_some())
+        };
+        assert_eq!([-119, -120, -149].map(is_scaled), [[true; 2], [false; 2], [false; 2]]);
     }
 }

@@ -66,7 +66,7 @@ fn out_of_reach(limit: &FindingLimit, config: &GateConfig, source: &FamilySource
     let builtin = builtin.map(|engine| (engine.name().to_owned(), engine.precision()));
     let external = campaign.external.iter().map(|spec| (spec.name.clone(), Precision::from(spec.precision)));
     let engines: Vec<(String, Precision)> = builtin.chain(external).collect();
-    if let Some(why) = beyond_every_margin(limit, &engines) {
+    if let Some(why) = beyond_every_margin(limit, &engines, may_be_of_externals(limit, config)) {
         return Some(why);
     }
     let of = |wanted: Precision| engines.iter().any(|(_, precision)| *precision == wanted);
@@ -75,13 +75,24 @@ fn out_of_reach(limit: &FindingLimit, config: &GateConfig, source: &FamilySource
     Some(format!("no engine that is given {engine} takes part"))
 }
 
+/// Whether findings about an external engine may be of a limit, as far as its engine and cause tell.
+fn may_be_of_externals(limit: &FindingLimit, config: &GateConfig) -> bool {
+    let is_named = |name: &str| limit.engine.as_ref().is_none_or(|of| of == name);
+    limit.cause.as_ref().is_none_or(|cause| cause == Cause::Engine.name())
+        && config.campaign.external.iter().any(|spec| is_named(&spec.name))
+}
+
 /// That a limit is on what is further from a tie than anything is: margins are shares, of the terms of a value or of the largest coordinate. What is no
-/// answer counts however far that is.
-fn beyond_every_margin(limit: &FindingLimit, engines: &[(String, Precision)]) -> Option<String> {
+/// answer, and what is never rounding, counts however far that is.
+fn beyond_every_margin(limit: &FindingLimit, engines: &[(String, Precision)], is_of_externals: bool) -> Option<String> {
     // Two blocks are apart by no more than the diagonal of a cube, twice the largest coordinate wide.
     const LARGEST_MARGIN: f64 = 4.0;
     let beyond = limit.beyond_ulps?;
-    if limit.change.as_deref().and_then(AnswerChange::from_name).is_some_and(|change| !change.is_of_answers()) {
+    let counts_anyway = |change: AnswerChange| match change {
+        AnswerChange::Scale => is_of_externals,
+        _ => !change.is_of_answers() || change.is_never_rounding(),
+    };
+    if limit.change.as_deref().and_then(AnswerChange::from_name).is_some_and(counts_anyway) {
         return None;
     }
     let is_concerned = |name: &str, precision: Precision| {

@@ -107,11 +107,13 @@ impl TallyRow {
         step.into_iter().chain(baseline.fields.iter().map(value)).collect::<Vec<_>>().join(SEPARATOR)
     }
 
-    /// Whether rounding cannot be the reason, though it has no margin: an engine gave no usable answer, or found a block to touch that is far away.
+    /// Whether rounding cannot be the reason, whatever the margin: an engine gave no usable answer, found a block to touch that is far away, or is an external one
+    /// that answers otherwise in another unit of length. Of a built-in engine, which may come to numbers too small for f32 then, that has a margin that tells.
     fn is_never_rounding(&self) -> bool {
         let TallyRow::Pair(row) = self else { return false };
         let of_engine = matches!(row.engine, FindingScope::Engine(_));
-        of_engine && (row.change.is_unusable() || row.change == AnswerChange::FarBlock)
+        let has_margin = row.change == AnswerChange::Scale && row.cause != Cause::Engine;
+        of_engine && row.change.is_never_rounding() && !has_margin
     }
 
     /// Whether it is a passage or an unseen overlap that a limit on these is about: one in the steps of the limit's engine, though others have it too.

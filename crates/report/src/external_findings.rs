@@ -18,6 +18,8 @@ pub struct EngineFindings {
     pub findings: u64,
     /// Wrong contacts or states more than [`FAR_FROM_TIE`] roundoffs from every tie around them, and contacts with a block far away.
     pub far: u64,
+    /// Other answers once all lengths were multiplied by a power of two.
+    pub scaled: u64,
     /// Gaps and normals off by more than the accuracy that the engine states.
     pub inaccurate: u64,
     /// No answer, or another one when asked again.
@@ -34,6 +36,7 @@ impl EngineFindings {
             AnswerChange::Unsupported => self.unsupported += 1,
             AnswerChange::Gap | AnswerChange::Normal => self.inaccurate += 1,
             AnswerChange::FarBlock => self.far += 1,
+            AnswerChange::Scale => self.scaled += 1,
             _ if row.margin_ulps.is_some_and(|ulps| ulps.abs() > FAR_FROM_TIE) => self.far += 1,
             _ => {}
         }
@@ -54,6 +57,7 @@ impl EngineFindings {
         }
         let wrong = [
             (self.far, format!("beyond {} roundoffs from any tie", grouped(FAR_FROM_TIE as u64))),
+            (self.scaled, "where only the unit of length changed".to_owned()),
             (self.inaccurate, "with a gap or normal off by more than the accuracy it states".to_owned()),
             (self.unanswered, "without a usable answer".to_owned()),
         ];
@@ -116,7 +120,7 @@ pub(super) fn lines(campaigns: &[CampaignRun]) -> Vec<VerdictLine> {
     }
     let place = |severity| [Severity::Bad, Severity::Fair, Severity::Good].iter().position(|known| *known == severity);
     found.sort_by_key(|(own, line)| {
-        (place(line.severity), std::cmp::Reverse(own.far + own.inaccurate + own.unanswered))
+        (place(line.severity), std::cmp::Reverse(own.far + own.scaled + own.inaccurate + own.unanswered))
     });
     found.into_iter().map(|(_, line)| line).chain(changed).collect()
 }
@@ -193,6 +197,8 @@ mod tests {
             (AnswerChange::Crash, None),
             (AnswerChange::Unstable, None),
             (AnswerChange::FarBlock, None),
+            (AnswerChange::Scale, None),
+            (AnswerChange::Scale, Some(0.1)),
         ] {
             let line = own(&[(AnswerChange::Missing, Some(0.1)), (change, ulps)]).line("mine", 9, 300);
             assert_eq!(line.severity, Severity::Bad, "{change}: {line:?}");

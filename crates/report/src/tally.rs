@@ -72,11 +72,14 @@ impl WorstFinding {
         self.change == AnswerChange::Unsupported
     }
 
-    /// How much less than others rounding excuses it: that an engine contradicts itself, or that a choice among several differs, has no margin, so it
-    /// comes after what is far from any tie and before what is near one.
+    /// How much less than others rounding excuses it: nothing that rounding is no reason for, whatever its margin; that an engine contradicts itself, or that a
+    /// choice among several differs, has no margin, so it comes after what is far from any tie and before what is near one.
     fn gravity(&self) -> f64 {
+        if self.cause == Cause::Engine && self.change.is_never_rounding() {
+            return f64::INFINITY;
+        }
         let is_unmeasured = self.margin_ulps.or(self.margin).is_none();
-        let contradicts = self.change.is_metamorphic() && self.change != AnswerChange::FarBlock;
+        let contradicts = self.change.is_metamorphic() && !self.change.is_never_rounding();
         let is_choice = CHOICES.iter().any(|choice| choice.name() == self.predicate);
         if is_unmeasured && (contradicts || is_choice) { FAR_FROM_TIE } else { self.magnitude() }
     }
@@ -223,6 +226,10 @@ mod tests {
         let found = tally(&rows.each_ref().map(String::as_str));
         let ranked: Vec<u64> = found.worst[&Cause::Engine].iter().map(|worst| worst.index).collect();
         assert_eq!(ranked, [4, 3, 1, 2]);
+        // In another unit of length nothing is rounded otherwise.
+        let scaled = tally(&[&row(5, "scale", "1e-9,4"), &rows[2]].map(String::as_str));
+        let first = scaled.worst[&Cause::Engine].first().map(|worst| worst.index);
+        assert_eq!(first, Some(5));
         assert_eq!(found.worst_of_all(|worst| worst.index != 4).map(|worst| worst.index), Some(3));
     }
 

@@ -106,7 +106,7 @@ impl CollisionCheck<'_> {
             return judgement;
         }
         for transform in Transform::ALL {
-            if let Some(other) = transform.apply(self.exact, self.blocks, asked.precision) {
+            if let Some(other) = transform.apply(self.exact, self.blocks, self.tolerances, asked.precision) {
                 judgement.made += 1;
                 let again = self.ask(&other.blocks, &other.tolerances(self.tolerances));
                 if let Some(again) = again.filter(|again| again.state != reported.state) {

@@ -100,7 +100,8 @@ impl Hypothesis for Input {
                 Some(contacts)
             }
             Input::Renumbered => {
-                let other = Transform::Renumber.apply(&ExactBlocks::new([a, b]), blocks, asked.question.precision)?;
+                let exact_blocks = ExactBlocks::new([a, b]);
+                let other = Transform::Renumber.apply(&exact_blocks, blocks, tolerances, asked.question.precision)?;
                 Some(other.to_original(&exact(&other.blocks, tolerances)))
             }
             Input::InSingle => {
