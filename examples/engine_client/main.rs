@@ -96,8 +96,8 @@ fn misread(word: &str, question: &mut Value) {
     }
 }
 
-/// A mistake in what is found: gaps with the wrong sign or always the same, entrances all called v-f, corners of five and more edges left out, one contact
-/// forgotten in one pair of a thousand.
+/// A mistake in what is found: gaps with the wrong sign or always the same, entrances all called v-f, corners of five and more edges left out, the first
+/// corner of A left out, one contact forgotten in one pair of a thousand.
 fn mistake(word: &str, question: &Value, contacts: &mut Vec<Contact>) {
     let constant = |sign: Sign| move |contact: &mut Contact| contact.gap = sign;
     let edges = |block: &str, vertex: u32| {
@@ -117,6 +117,9 @@ fn mistake(word: &str, question: &Value, contacts: &mut Vec<Contact>) {
             let (kind, [a, b]) = (contact.kind().name(), contact.key.numbers());
             !(kind.starts_with('v') && edges("a", a) > 4 || kind.ends_with('v') && edges("b", b) > 4)
         }),
+        "first" => {
+            contacts.retain(|contact| !(contact.kind().name().starts_with('v') && contact.key.numbers()[0] == 0));
+        }
         "thousandth" => {
             let sum = question["b"]["vertices"]
                 .to_string()
@@ -139,7 +142,7 @@ fn trick(word: &str, question: &Value) -> Option<String> {
     let id = &question["id"];
     match word {
         "kinds" | "" | "f32" | "territory" | "millimetre" | "epsilon" | "order" | "exchanged" | "sign" | "positive"
-        | "negative" | "zero" | "v-f" | "corners" | "thousandth" | "late" => None,
+        | "negative" | "zero" | "v-f" | "corners" | "first" | "thousandth" | "late" => None,
         "second" if id.as_u64().is_some_and(|id| id % 2 == 1) => std::process::exit(3),
         "second" => None,
         "escape" if first == 0 => None,

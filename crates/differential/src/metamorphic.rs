@@ -9,7 +9,7 @@ use super::attribution::{WantedFindings, answers_differ, engine_trace, expected}
 use super::collision;
 use super::compare::{AnswerChange, Difference, Features, differences};
 use super::engine::{Engine, Oracle, Prepared, catch_panic};
-use super::explain::{ChainLink, explain};
+use super::explain::{ChainLink, explain, nearest_decisions};
 use super::external::protocol::completed;
 use super::finding::{Cause, DecidingDecision};
 use super::indexed_trace::IndexedTrace;
@@ -190,13 +190,15 @@ struct TransformedAnswer<'x> {
 }
 
 /// What decided a violation: the oracle's answer did not change, so the engine differs from it before the change or
-/// after; where it does, their traces part. Features of a decision after the change are those of the changed pair.
+/// after; where it does, their traces part. Features of a decision after the change are those of the changed pair. Of an engine that tells no
+/// decisions, the oracle's nearest to a tie around it, in the pair itself: the change keeps how near that is.
 fn deciding(
     base: &MetamorphicBase<'_>,
     difference: &Difference,
     turned: &TransformedAnswer<'_>,
 ) -> Option<DecidingDecision> {
-    let wrong_before = answers_differ(base.exact, base.contacts, difference);
+    let is_outside = base.engine.cause() == Cause::Engine;
+    let wrong_before = is_outside || answers_differ(base.exact, base.contacts, difference);
     let (blocks, tolerances, prepared) = if wrong_before {
         (base.blocks, base.tolerances, base.prepared)
     } else {
@@ -212,7 +214,8 @@ fn deciding(
         roundoff: Some(base.engine.precision().epsilon() / 2.0),
     };
     let features = Features { a: blocks[0].topology(), b: blocks[1].topology() };
-    explain(&[local], &link, features).pop().flatten()
+    let told = if is_outside { nearest_decisions } else { explain };
+    told(&[local], &link, features).pop().flatten()
 }
 
 /// B moved along x until it is further from A than anything can reach, if that can be done exactly.
