@@ -289,52 +289,6 @@ fn deny_says_which_causes_do_not_concern_external_engines() {
     assert!(code == Some(1) && !err.contains("does not concern"), "{err}");
 }
 
-/// Vertices numbered otherwise are other corners for an engine that leaves out the first, however far that is from a tie; one that adds up in another order
-/// does not care.
-#[cfg(unix)]
-#[test]
-fn what_an_engine_contradicts_itself_in_is_as_far_from_a_tie_as_the_pair() {
-    let limit = "[[limit]]\nengine = \"mine\"\nchange = \"renumber\"\nbeyond_ulps = 1000\ncount = 0\n";
-    for (trick, is_far) in [("first", true), ("order", false)] {
-        let dir = crate::place::folder();
-        let settings = around(&[&client(), trick], limit).replace("pairs = 256", "pairs = 192");
-        let settings = settings.replace("[campaign]", "[campaign]\nmetamorphic_every = 1\ntolerances = [\"auto\"]");
-        let settings = settings.replace("face_stack\", \"edge_cross", "corner_corner\", \"quasi_parallel_edges");
-        let ran = gate(dir.path(), &settings, &[], false);
-        let row = ran.out.lines().find(|line| line.contains("change renumber, beyond")).expect("a row");
-        assert_eq!(ran.code == 1 && row.contains("FAIL"), is_far, "{trick}: {}{}", ran.out, ran.err);
-        let findings = std::fs::read_to_string(dir.path().join("reports/gate/fixed/findings.csv")).expect("findings");
-        let is_measured = |row: &str| row.rsplit(',').nth(1).is_some_and(|ulps| !ulps.is_empty());
-        let mut renumbered = findings.lines().filter(|row| row.contains(",mine,engine,renumber,")).peekable();
-        assert!(renumbered.peek().is_some() == is_far && renumbered.all(is_measured), "{trick}: {findings}");
-    }
-}
-
-/// Right in metres, and wrong of the same blocks 128 times smaller.
-#[cfg(unix)]
-#[test]
-fn another_unit_of_length_is_no_rounding() {
-    let dir = crate::place::folder();
-    let limit = |more: &str| format!("[[limit]]\nengine = \"mine\"\nbeyond_ulps = 1e20\ncount = 0\n{more}");
-    let of = |trick: &str, more: &str| {
-        let settings = around(&[&client(), trick], &limit(more)).replace("pairs = 256", "pairs = 64");
-        let settings = settings.replace("[campaign]", "[campaign]\nmetamorphic_every = 2\ntolerances = [\"auto\"]");
-        let settings = settings.replace("face_stack\", \"edge_cross", "corner_corner\", \"vertex_on_edge");
-        gate(dir.path(), &settings, &[], false)
-    };
-    let wrong = of("millimetre", "change = \"scale\"\n");
-    let row = wrong.out.lines().find(|line| line.contains("fixed: ") && line.contains(" roundoffs")).expect("a row");
-    assert!(wrong.code == 1 && row.contains("FAIL"), "{}{}", wrong.out, wrong.err);
-    let right = of("epsilon", "change = \"scale\"\n");
-    assert_eq!(right.code, 0, "{}{}", right.out, right.err);
-    // Of what has a margin nothing is that far from a tie.
-    let (code, said) = {
-        let ran = of("epsilon", "change = \"missing\"\n");
-        (ran.code, ran.err)
-    };
-    assert!(code == 2 && said.contains("in f64 nothing is 2^55 roundoffs from a tie"), "{said}");
-}
-
 #[cfg(unix)]
 #[test]
 fn what_is_no_answer_is_no_rounding() {

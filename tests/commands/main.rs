@@ -31,6 +31,7 @@ mod examine_command;
 mod examine_limits;
 mod external_engines;
 mod gate_command;
+mod gate_contradictions;
 mod gate_evidence;
 mod gate_formats;
 mod gate_given;

@@ -246,7 +246,7 @@ fn messages_cut_long_values() {
     for (from, to, parts) in [
         ("[case]", format!("[case]\n{long} = 1"), ["line 2", "expected one of"]),
         ("engine = \"stepper-f32\"", format!("engine = {{ {long} = 1 }}"), ["line 2", "expected a string"]),
-        ("kind = \"f-v\"", format!("kind = \"{long}\""), ["expected or found is \"", "allowed are kinds v-v"]),
+        ("kind = \"f-v\"", format!("kind = \"{long}\""), ["expected, found or changed is \"", "allowed are kinds v-v"]),
     ] {
         write("case.toml", &change(CASE, from, &to));
         for command in ["replay", "shrink"] {

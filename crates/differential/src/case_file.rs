@@ -4,10 +4,13 @@
 
 use super::attribution::{EnginePanel, WantedFindings, findings_wanted};
 use super::compare::AnswerChange;
+use super::engine::{Answer, Engine, EngineFailure, Oracle, catch_panic};
 use super::external::protocol::{UNNAMED, completed};
 use super::external::spec::is_name;
 use super::finding::{Cause, Finding, FindingScope};
+use super::metamorphic::ChangedPairs;
 use super::subject::{NamedSet, Subject};
+use super::transform::{ExactBlocks, Transformed};
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::files::read_text;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
@@ -71,12 +74,20 @@ pub struct CaseDescription {
     pub expected: Vec<ContactRow>,
     /// The contacts after it.
     pub found: Vec<ContactRow>,
+    /// What an external engine said of the pair exchanged, numbered otherwise, moved or scaled, in the numbering of the pair itself, where it contradicts itself so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub changed: Option<Vec<ContactRow>>,
 }
 
 impl CaseDescription {
     /// What the engine said of how the blocks lie, as [`ReportedState`](super::separation_state::ReportedState) is shown.
     pub fn said_state(&self) -> Option<&str> {
         self.states.as_deref()?.split_once(", said ").map(|(_, said)| said)
+    }
+
+    /// The contacts of all lists.
+    fn rows(&self) -> impl Iterator<Item = &ContactRow> {
+        self.expected.iter().chain(&self.found).chain(self.changed.iter().flatten())
     }
 
     /// The contacts that both answers name, and name differently.
@@ -86,6 +97,14 @@ impl CaseDescription {
         let differs = |right: &Contact| found.iter().any(|one| one.key == right.key && one != right);
         contacts(&self.expected).into_iter().filter(differs).map(|contact| contact.key).collect()
     }
+}
+
+/// What an engine says of a changed pair.
+pub struct ChangedAnswers {
+    /// What was changed.
+    pub words: String,
+    /// The answers, in the numbering of the pair itself; of a block far away one for each order of the two.
+    pub said: Vec<Result<Answer, EngineFailure>>,
 }
 
 /// A contact as written in files; the names are those of `classify`'s columns.
@@ -237,6 +256,7 @@ impl Case {
                 states: None,
                 expected: Vec::new(),
                 found: Vec::new(),
+                changed: None,
             },
             a: subject.a.clone(),
             b: subject.b.clone(),
@@ -286,6 +306,34 @@ impl Case {
         self.about.states = finding.comparison.map(|m| m.to_string());
         let answers = self.answers(finding, panel);
         [self.about.expected, self.about.found] = answers.map(|contacts| contact_rows(&contacts));
+        let is_outside = finding.cause == Cause::Engine;
+        let engine =
+            panel.engines.iter().find(|e| is_outside && finding.scope == FindingScope::Engine(e.name().into()));
+        let changed = engine.and_then(|engine| self.changed_answers(&**engine, &*panel.oracle));
+        self.about.changed = match changed.as_ref().map(|changed| &changed.said[..]) {
+            Some([Ok(Answer::Contacts(said))]) => Some(contact_rows(said)),
+            _ => None,
+        };
+    }
+
+    /// What an engine says of the pair changed as the finding says, in the numbering of the pair itself; `None` where it is about no such change, or the pair
+    /// cannot be changed so.
+    pub fn changed_answers(&self, engine: &dyn Engine, oracle: &dyn Oracle) -> Option<ChangedAnswers> {
+        let precision = engine.precision();
+        let blocks = [self.a.rounded(precision)?, self.b.rounded(precision)?];
+        let tolerances = self.tolerances.rounded(precision).ok()?;
+        let exact = ExactBlocks::new([&self.a, &self.b]);
+        let (change, says_state) = (&self.about.change, self.about.states.is_some());
+        let ChangedPairs { words, pairs } =
+            ChangedPairs::of(change, &exact, &blocks, &tolerances, precision, says_state)?;
+        let ask = |pair: &Transformed| {
+            let ([a, b], tolerances) = (&pair.blocks, pair.tolerances(&tolerances));
+            let answer = catch_panic(|| engine.prepare(a, b)?.answer(&tolerances))?;
+            let Answer::Contacts(contacts) = answer else { return Ok(answer) };
+            let right = oracle.prepare(a, b).pair().classify(&tolerances).contacts;
+            Ok(Answer::Contacts(pair.to_original(&completed(contacts, &right))))
+        };
+        Some(ChangedAnswers { words, said: pairs.iter().map(ask).collect() })
     }
 
     fn answers(&self, finding: &Finding, panel: &EnginePanel) -> [Vec<Contact>; 2] {
@@ -302,7 +350,7 @@ impl Case {
             (Cause::Representation, Some((a, b, t))) => [given(), exact(&a, &b, &t)],
             (Cause::Arithmetic | Cause::Defect | Cause::Engine, Some((a, b, t))) => {
                 let engine = panel.engines.iter().find(|e| finding.scope == FindingScope::Engine(e.name().into()));
-                let said = engine.and_then(|e| super::engine::catch_panic(|| e.prepare(&a, &b)?.classify(&t)).ok());
+                let said = engine.and_then(|e| catch_panic(|| e.prepare(&a, &b)?.classify(&t)).ok());
                 let right = exact(&a, &b, &t);
                 let said = completed(said.unwrap_or_default(), &right);
                 [right, said]
@@ -376,11 +424,11 @@ impl Case {
         if !about.predicate.is_empty() {
             known("predicate", &about.predicate, &Predicate::ALL.map(Predicate::name))?;
         }
-        for row in about.expected.iter().chain(&about.found) {
+        for row in about.rows() {
             if row.contact().is_none() {
                 let allowed = "kinds v-v v-e e-v v-f f-v e-e, entrances v-f f-v e-e, gap signs -1 0 1".to_owned();
                 let found = excerpt(&format!("{row:?}"), EXCERPT_LENGTH);
-                return Err(CaseError::Value { file, key: "expected or found", found, allowed });
+                return Err(CaseError::Value { file, key: "expected, found or changed", found, allowed });
             }
         }
         let found = parsed.block.len();
@@ -397,11 +445,11 @@ impl Case {
             })
         };
         let [a, b] = [block(0, a)?, block(1, b)?];
-        for contact in about.expected.iter().chain(&about.found).filter_map(ContactRow::contact) {
+        for contact in about.rows().filter_map(ContactRow::contact) {
             if !has_features([&a, &b], &contact) {
                 let allowed = "the vertices, edges and faces of the two blocks".to_owned();
                 let found = format!("{} by {}", contact.key, contact.entrance);
-                return Err(CaseError::Value { file, key: "a contact of expected or found", found, allowed });
+                return Err(CaseError::Value { file, key: "a contact of expected, found or changed", found, allowed });
             }
         }
         let tolerances = parsed.tolerances;

@@ -90,6 +90,7 @@ impl Disagreement {
             states: None,
             expected: contact_rows(&deviation.expected),
             found: contact_rows(deviation.found.as_deref().unwrap_or_default()),
+            changed: None,
         };
         let case = Case { about, a: a.clone(), b: b.clone(), tolerances: tolerances.clone() };
         Disagreement { row, case }

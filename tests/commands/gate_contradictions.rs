@@ -1,0 +1,95 @@
+//! What a gate makes of an external engine that contradicts itself: limits, how far from a tie that is, and cases of it in the corpus.
+#![cfg(unix)]
+
+use crate::engines::client;
+use crate::gates::{Ran, around, gate};
+use std::fs;
+use std::path::Path;
+
+/// A gate around the client with a trick, which is asked every second pair otherwise; its families have contacts that change with a radius and with numbers.
+fn contradicting(dir: &Path, trick: &str, pairs: u32, limit: &str) -> Ran {
+    let settings = around(&[&client(), trick], limit).replace("pairs = 256", &format!("pairs = {pairs}"));
+    let settings = settings.replace("[campaign]", "[campaign]\nmetamorphic_every = 2\ntolerances = [\"auto\"]");
+    let settings = settings.replace("face_stack\", \"edge_cross", "corner_corner\", \"vertex_on_edge");
+    gate(dir, &settings, &[], false)
+}
+
+/// Vertices numbered otherwise are other corners for an engine that leaves out the first, however far that is from a tie; one that adds up in another order
+/// does not care.
+#[test]
+fn what_an_engine_contradicts_itself_in_is_as_far_from_a_tie_as_the_pair() {
+    let limit = "[[limit]]\nengine = \"mine\"\nchange = \"renumber\"\nbeyond_ulps = 1000\ncount = 0\n";
+    for (trick, is_far) in [("first", true), ("order", false)] {
+        let dir = crate::place::folder();
+        let ran = contradicting(dir.path(), trick, 192, limit);
+        let row = ran.out.lines().find(|line| line.contains("change renumber, beyond")).expect("a row");
+        assert_eq!(ran.code == 1 && row.contains("FAIL"), is_far, "{trick}: {}{}", ran.out, ran.err);
+        let findings = fs::read_to_string(dir.path().join("reports/gate/fixed/findings.csv")).expect("findings");
+        let is_measured = |row: &str| row.rsplit(',').nth(1).is_some_and(|ulps| !ulps.is_empty());
+        let mut renumbered = findings.lines().filter(|row| row.contains(",mine,engine,renumber,")).peekable();
+        assert!(renumbered.peek().is_some() == is_far && renumbered.all(is_measured), "{trick}: {findings}");
+    }
+}
+
+/// Right in metres, and wrong of the same blocks 128 times smaller.
+#[test]
+fn another_unit_of_length_is_no_rounding() {
+    let limit =
+        |change: &str| format!("[[limit]]\nengine = \"mine\"\nbeyond_ulps = 1e20\ncount = 0\nchange = \"{change}\"\n");
+    let dir = crate::place::folder();
+    let wrong = contradicting(dir.path(), "millimetre", 64, &limit("scale"));
+    let row = wrong.out.lines().find(|line| line.contains("change scale, beyond ")).expect("a row");
+    assert!(wrong.code == 1 && row.contains("FAIL"), "{}{}", wrong.out, wrong.err);
+    let right = contradicting(dir.path(), "epsilon", 64, &limit("scale"));
+    assert_eq!(right.code, 0, "{}{}", right.out, right.err);
+    // Of what has a margin nothing is that far from a tie.
+    let refused = contradicting(dir.path(), "epsilon", 64, &limit("missing"));
+    let why = "in f64 nothing is 2^55 roundoffs from a tie";
+    assert!(refused.code == 2 && refused.err.contains(why), "{}", refused.err);
+}
+
+/// The first case of a change that a gate of the client with a trick writes, as `corpus/case.toml` of the folder.
+fn kept_case(dir: &Path, trick: &str, change: &str) -> toml::Table {
+    let limit = format!("[[limit]]\nengine = \"mine\"\nchange = \"{change}\"\ncount = 0\n");
+    let ran = contradicting(dir, trick, 192, &limit);
+    assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
+    let cases = fs::read_dir(dir.join("reports/gate/fixed/cases")).expect("cases");
+    let of_change = |name: &str| name.contains(&format!("-engine-{change}-"));
+    let paths = cases.map(|entry| entry.expect("an entry").path());
+    let path = paths.into_iter().find(|path| of_change(&path.display().to_string())).expect("a case");
+    let text = fs::read_to_string(path).expect("a case");
+    fs::create_dir_all(dir.join("corpus")).expect("a folder");
+    fs::write(dir.join("corpus/case.toml"), &text).expect("write");
+    text.parse().expect("TOML")
+}
+
+/// What a gate says of the case alone, with the client and this trick.
+fn judged(dir: &Path, trick: &str) -> Ran {
+    let settings = around(&[&client(), trick], "").replace("pairs = 256", "pairs = 16");
+    gate(dir, &settings.replace("corpus = []", "corpus = [\"corpus\"]"), &[], false)
+}
+
+#[test]
+fn a_case_of_an_engine_that_contradicts_itself_asks_about_the_changed_pair() {
+    let dir = crate::place::folder();
+    let dir = dir.path();
+    kept_case(dir, "millimetre", "scale");
+    let wrong = judged(dir, "millimetre");
+    let why = "mine contradicts itself, and rounding is no reason";
+    assert!(wrong.code == 1 && wrong.out.contains(why) && wrong.out.contains("divided by 128"), "{}", wrong.out);
+    let right = judged(dir, "");
+    assert_eq!(right.code, 0, "{}{}", right.out, right.err);
+
+    // What rounding may excuse passes as it was recorded, and not otherwise.
+    let mut case = kept_case(dir, "first", "renumber");
+    for trick in ["first", ""] {
+        let ran = judged(dir, trick);
+        assert_eq!(ran.code, 0, "{trick}: {}{}", ran.out, ran.err);
+    }
+    let about = case["case"].as_table_mut().expect("a table");
+    about.insert("changed".to_owned(), about["found"].clone());
+    fs::write(dir.join("corpus/case.toml"), toml::to_string(&case).expect("TOML")).expect("write");
+    let other = judged(dir, "first");
+    let why = "mine contradicts itself otherwise than the case records";
+    assert!(other.code == 1 && other.out.contains(why), "{}{}", other.out, other.err);
+}
