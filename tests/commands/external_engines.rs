@@ -244,6 +244,27 @@ fn signs_and_lengths_of_a_gap_must_not_contradict_each_other() {
     }
 }
 
+#[test]
+fn an_entrance_is_named_with_its_numbers_or_not_at_all() {
+    let cube = cube();
+    let of = |entrance: &str| {
+        let start = "\"kind\":\"v-f\",\"feature_a\":0,\"feature_b\":1,\"gap_sign\":1";
+        let line = format!("{{\"id\":0,\"contacts\":[{{{start}{entrance}}}]}}");
+        protocol::answer(line.as_bytes(), 0, [&cube, &cube])
+    };
+    for entrance in ["", ",\"entrance\":\"v-f\",\"entrance_a\":0,\"entrance_b\":1"] {
+        assert!(matches!(of(entrance), Ok(Answer::Contacts(_))), "{entrance}");
+    }
+    for (entrance, there) in [
+        (",\"entrance_a\":0,\"entrance_b\":1", "entrance_a"),
+        (",\"entrance_b\":1", "entrance_b"),
+        (",\"entrence\":\"v-f\",\"entrance_a\":0,\"entrance_b\":1", "entrance_a"),
+    ] {
+        let Err(EngineFailure::Malformed(what)) = of(entrance) else { panic!("{entrance}") };
+        assert!(what.contains(&format!("contact 0: entrance is absent, but {there} is there")), "{what}");
+    }
+}
+
 proptest! {
     #[test]
     fn nonsense_is_malformed(line in proptest::collection::vec(any::<u8>(), 0..200)) {

@@ -231,6 +231,11 @@ fn read_contact(contact: &Value, features: [&Topology; 2]) -> Result<Contact, St
     let key = ContactKey::of_kind(kind, numbers(["feature_a", "feature_b"], names_of(kind))?);
     let gap = read_gap(object)?;
     if object.get("entrance").is_none() {
+        if let Some(key) = ["entrance_a", "entrance_b"].into_iter().find(|key| object.contains_key(*key)) {
+            return Err(format!(
+                "entrance is absent, but {key} is there; allowed are all of entrance, entrance_a and entrance_b, or none of them"
+            ));
+        }
         // Kinds only: what is not said is not compared.
         return Ok(Contact { key, entrance: UNNAMED, gap: Sign::Positive });
     }
