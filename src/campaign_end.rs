@@ -209,9 +209,11 @@ fn what_is_there(progress: &CampaignProgress, dir: &Path, ending: Ending) -> Str
     }
     if ending == Ending::Stopped {
         let are = if progress.pairs_done == 1 { "is" } else { "are" };
-        out += &format!(
-            "interrupted: {done} {are} kept, those of the chunk under way are not; --resume goes on from there\n"
-        );
+        let on = match progress.pairs_done {
+            0 => "that was the first chunk, so --resume begins with the first pair",
+            _ => "--resume goes on from there",
+        };
+        out += &format!("interrupted: {done} {are} kept, those of the chunk under way are not; {on}\n");
     }
     if let Some(there) = setting(progress, Parts::KEY) {
         let asked = progress.configuration.get("pairs").and_then(Value::as_u64).unwrap_or_default();

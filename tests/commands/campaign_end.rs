@@ -188,6 +188,7 @@ fn what_is_stopped_before_its_first_chunk_ends_has_no_verdict() {
     assert_eq!(output.status.code(), Some(130), "{out}");
     assert!(out.contains("No pair has been examined to its end") && !out.contains("No difference"), "{out}");
     assert!(out.contains("interrupted: 0 pairs are kept, those of the chunk under way are not"), "{out}");
+    assert!(out.contains("--resume begins with the first pair") && !out.contains("could be compared"), "{out}");
 }
 
 #[test]

@@ -46,6 +46,10 @@ impl EngineFindings {
     fn line(&self, name: &str, compared: u64, pairs: u64) -> VerdictLine {
         if self.findings == 0 {
             let (severity, text) = match compared {
+                0 if pairs == 0 => (
+                    Severity::Fair,
+                    format!("{name}: no pair has been examined to its end, so nothing is known of it."),
+                ),
                 0 => (Severity::Fair, format!("{name}: none of its answers could be compared.")),
                 n if pairs < MIN_PAIRS => {
                     let none = format!("{name}: no finding of its own, {}.", counted(n, "comparison", "comparisons"));
@@ -206,6 +210,8 @@ mod tests {
         }
         assert_eq!(own(&[(AnswerChange::Unsupported, None)]).line("mine", 0, 300).severity, Severity::Fair);
         assert_eq!(own(&[]).line("mine", 0, 300).severity, Severity::Fair);
+        let interrupted = own(&[]).line("mine", 0, 0);
+        assert!(interrupted.severity == Severity::Fair && !interrupted.text.contains("compared"), "{interrupted:?}");
         assert_eq!(own(&[]).line("mine", 7, 300).severity, Severity::Good);
         let few = own(&[]).line("mine", 7, 299);
         assert!(few.severity == Severity::Fair && few.text.contains("So few pairs tell little"), "{few:?}");

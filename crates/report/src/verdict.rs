@@ -49,7 +49,10 @@ pub fn verdict(results: &Results) -> Vec<VerdictLine> {
     let mut lines = Vec::new();
     let external = external_findings::lines(&results.campaigns);
     let most = MAX_LINES + external.len();
-    if !results.campaigns.is_empty() {
+    if !results.campaigns.is_empty() && counted_pairs(&results.campaigns) == 0 && results.stresses.is_empty() {
+        // No engine is to blame where a campaign was interrupted before it knew anything.
+        lines.extend(mistakes(&results.campaigns));
+    } else if !results.campaigns.is_empty() {
         lines.push(right(&results.campaigns));
         if results.stresses.is_empty() {
             lines.extend(external.clone());
