@@ -24,6 +24,7 @@ use rockproof_differential::finding::Finding;
 use rockproof_differential::subject::PairSource;
 use rockproof_gate::answers;
 use rockproof_gate::config::{GateConfig, line_of};
+use rockproof_gate::junit::Diagnosed;
 use rockproof_gate::known_findings::KnownFindings;
 use rockproof_gate::setting_line::place_of;
 use rockproof_gate::tally::CampaignTally;
@@ -97,7 +98,7 @@ struct Gating<'g> {
     /// What external engines answered in all campaigns.
     answers: BTreeMap<String, EngineAnswers>,
     /// What is wrong with external engines, where a check of a campaign fails.
-    wrong: Vec<String>,
+    wrong: Vec<Diagnosed>,
 }
 
 impl Gate {
@@ -218,7 +219,7 @@ impl Gate {
             let steps: String = steps.collect();
             let answers = gating.answers.iter().map(|(name, answers)| format!("; {name} {}", answers.words()));
             let answers: String = answers.collect();
-            let wrong: String = gating.wrong.iter().map(|line| prose(&format!("{line}\n"))).collect();
+            let wrong: String = gating.wrong.iter().map(|one| prose(&format!("{}\n", one.line()))).collect();
             let remarks: String = gating.remarks.iter().map(|line| prose(&format!("{line}\n"))).collect();
             format!("{head}\n\n{steps}{remarks}{wrong}gate {verdict}: {}{answers}\n", summary(checks))
         };
@@ -228,19 +229,21 @@ impl Gate {
             let line = |(name, line): &(String, VerdictLine)| json!({ "campaign": name, "severity": line.severity, "text": line.text });
             let steps: Vec<Value> = steps.iter().map(line).collect();
             let skipped = checks.iter().filter(|c| c.status == rockproof_gate::CheckStatus::Skip).count();
-            json!({ "passed": failed == 0, "failed": failed, "skipped": skipped, "checks": all, "steps": steps, "remarks": gating.remarks, "diagnosis": gating.wrong })
+            json!({ "passed": failed == 0, "failed": failed, "skipped": skipped, "checks": all, "steps": steps, "remarks": gating.remarks, "diagnosis": gating.wrong.iter().map(Diagnosed::line).collect::<Vec<_>>() })
         })?;
         if let Some(path) = &self.junit {
             // A file of this gate itself may be there by now.
             allow_ours(path, "JUnit report of a gate", junit::is_ours)?;
-            write_atomically(path, junit::junit(checks)?).with_context(|| path.display().to_string())?;
+            write_atomically(path, junit::junit(checks, &gating.wrong)?).with_context(|| path.display().to_string())?;
         }
         // The runner reads annotations on stdout, where a document stands alone.
         if !self.format.is_json() && std::env::var_os("GITHUB_ACTIONS").is_some_and(|on| on == "true") {
             print_as_it_is(&junit::annotations(checks))?;
         }
         if let Some((path, mut summary)) = step_summary()? {
-            summary.write_all(junit::markdown(checks).as_bytes()).with_context(|| path.display().to_string())?;
+            summary
+                .write_all(junit::markdown(checks, &gating.wrong).as_bytes())
+                .with_context(|| path.display().to_string())?;
         }
         Ok(if failed == 0 { ExitStatus::Passed } else { ExitStatus::CheckFailed })
     }
@@ -310,7 +313,7 @@ impl Gating<'_> {
             print_note(&format!("{name} campaign: nothing is known of what is wrong: {error:#}"));
             Vec::new()
         });
-        self.wrong.extend(wrong.into_iter().map(|line| format!("{name} campaign: {line}")));
+        self.wrong.extend(wrong.into_iter().map(|sentence| Diagnosed { campaign: name.to_owned(), sentence }));
         let share = begun.elapsed().as_secs_f64() / checks.len().max(1) as f64;
         for check in &mut checks {
             check.seconds = share;

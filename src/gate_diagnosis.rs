@@ -6,6 +6,7 @@ use rockproof_campaign::journal::Journal;
 use rockproof_campaign::run::Campaign;
 use rockproof_differential::diagnosis::diagnosis_lines;
 use rockproof_gate::{Check, CheckStatus};
+use rockproof_model::text::noun;
 use rockproof_report::load::Results;
 use rockproof_report::verdict::few_pairs_note as note_of_few;
 use std::sync::atomic::AtomicBool;
@@ -30,7 +31,7 @@ pub(crate) fn few_pairs_note(pairs: u64, checks: &[Check]) -> Option<String> {
     note_of_few(pairs).filter(|_| has_passed)
 }
 
-/// The rows that the terminal shows of some checks: all but cases that pass and, of many failed ones of the baseline, those behind the first.
+/// The rows that the terminal shows of some checks: cases that pass in one, and of many failed ones of the baseline none behind the first.
 pub(crate) fn rows(checks: &[Check]) -> Vec<Vec<String>> {
     let is_of_baseline = |check: &&Check| check.group == "baseline" && check.status == CheckStatus::Fail;
     let left_out = checks.iter().filter(is_of_baseline).count().saturating_sub(MAX_OF_BASELINE);
@@ -42,6 +43,12 @@ pub(crate) fn rows(checks: &[Check]) -> Vec<Vec<String>> {
     let told = checks.iter().filter(|check| check.group != "corpus" || check.status != CheckStatus::Pass);
     let row = |check: &Check| vec![check.status.name().to_owned(), check.name.clone(), check.message.clone()];
     let mut rows: Vec<Vec<String>> = told.filter(is_shown).map(row).collect();
+    let cases = checks.iter().filter(|check| check.group == "corpus" && check.status == CheckStatus::Pass).count();
+    if cases > 0 {
+        let (pass, found) =
+            (CheckStatus::Pass.name().to_owned(), format!("{cases} {} passed", noun(cases, "case", "cases")));
+        rows.insert(0, vec![pass, "corpus".to_owned(), found]);
+    }
     if left_out > 0 {
         let more = format!("{left_out} more sorts of finding that fail; --format json and --junit have all");
         rows.push(vec![CheckStatus::Fail.name().to_owned(), "baseline".to_owned(), more]);

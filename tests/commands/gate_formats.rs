@@ -3,7 +3,7 @@
 //! summary by a Markdown parser.
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
-use rockproof_gate::junit::{annotations, is_ours, junit, markdown};
+use rockproof_gate::junit::{Diagnosed, annotations, is_ours, junit, markdown};
 use rockproof_gate::{Check, CheckStatus};
 use std::collections::BTreeMap;
 
@@ -93,7 +93,7 @@ fn valid(node: roxmltree::Node<'_, '_>) {
 
 #[test]
 fn junit_is_what_its_schema_allows() {
-    let text = junit(&checks()).expect("XML");
+    let text = junit(&checks(), &[]).expect("XML");
     assert!(is_ours(&text) && !is_ours(&text.replacen("rockproof gate", "unit tests", 1)), "{text}");
     let xml = roxmltree::Document::parse(&text).expect("XML");
     assert_eq!(xml.root_element().tag_name().name(), "testsuites");
@@ -127,7 +127,8 @@ fn junit_is_what_its_schema_allows() {
 
 #[test]
 fn no_line_of_junit_is_a_command_to_a_runner_that_prints_it() {
-    let text = junit(&[check("corpus", "a\n::error::b\u{1b}[31m", "c\r\n::error::d", CheckStatus::Fail)]).expect("XML");
+    let text =
+        junit(&[check("corpus", "a\n::error::b\u{1b}[31m", "c\r\n::error::d", CheckStatus::Fail)], &[]).expect("XML");
     assert!(text.lines().all(|line| !line.trim_start().starts_with("::")), "{text}");
     assert!(text.contains("a\\n::error::b\\u{1b}[31m") && text.contains("c\\r\\n::error::d"), "{text}");
 }
@@ -187,7 +188,7 @@ fn cells(text: &str) -> Vec<Vec<String>> {
 
 #[test]
 fn the_summary_shows_what_was_found() {
-    let text = markdown(&checks());
+    let text = markdown(&checks(), &[]);
     assert!(text.starts_with("## Rockproof gate: failed\n"), "{text}");
     let rows = cells(&text);
     assert_eq!(rows[0], ["verdict", "check", "found"]);
@@ -196,4 +197,63 @@ fn the_summary_shows_what_was_found() {
     assert_eq!(rows[3], ["FAIL", "b", NASTY]);
     assert_eq!(rows[4][..2], ["skip", "skipped | case"]);
     assert!(text.contains("2 passed, 1 skipped, 3 failed; 1 case of the corpus passed."), "{text}");
+}
+
+#[test]
+fn what_is_wrong_with_an_engine_stands_with_the_first_failure_of_its_campaign() {
+    let checks = [
+        check("limit", "fixed: a", "fine", CheckStatus::Pass),
+        check("limit", "rotating: b", "wrong", CheckStatus::Fail),
+        check("limit", "fixed: c", "wrong", CheckStatus::Fail),
+        check("baseline", "fixed: d", "wrong", CheckStatus::Fail),
+    ];
+    let of =
+        |campaign: &str, sentence: &str| Diagnosed { campaign: campaign.to_owned(), sentence: sentence.to_owned() };
+    let diagnosed = [of("fixed", NASTY), of("fixed", "and\n::error::more"), of("rotating", "another")];
+    let text = junit(&checks, &diagnosed).expect("XML");
+    assert!(text.lines().all(|line| !line.trim_start().starts_with("::")), "{text}");
+    let xml = roxmltree::Document::parse(&text).expect("XML");
+    valid(xml.root_element());
+    let cases = xml.descendants().filter(|node| node.has_tag_name("testcase"));
+    let said: Vec<_> = cases
+        .map(|case| case.children().find(|node| node.has_tag_name("system-out")).and_then(|out| out.text()))
+        .collect();
+    let fixed = format!("fixed campaign: {NASTY}\nfixed campaign: and\\n::error::more");
+    assert_eq!(said, [Some("fine"), Some("rotating campaign: another"), Some(&*fixed), None]);
+    let summary = markdown(&checks, &diagnosed);
+    let items = Parser::new(&summary).filter(|event| matches!(event, Event::Start(Tag::Item))).count();
+    assert!(items == 3 && summary.contains("- rotating campaign: another\n"), "{summary}");
+    assert_eq!(cells(&summary).len(), 5, "{summary}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_gate_tells_readers_of_its_files_what_is_wrong_with_an_engine() {
+    let dir = crate::place::folder();
+    let dir = dir.path();
+    std::fs::create_dir(dir.join("cases")).expect("a folder");
+    for name in ["f-v-arithmetic-vertex-face-depth.toml", "v-v-arithmetic-swap.toml"] {
+        std::fs::copy(
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/regressions").join(name),
+            dir.join("cases").join(name),
+        )
+        .expect("a case");
+    }
+    let limit = "[[limit]]\nengine = \"mine\"\ncount = 0\n";
+    let settings =
+        crate::gates::around(&[&crate::engines::client(), "sign"], limit).replace("pairs = 256", "pairs = 32");
+    let settings = settings
+        .replace("corpus = []", "corpus = [\"cases\"]")
+        .replace("engines = []", "engines = [\"stepper-f32\", \"stepper-f64\"]");
+    let ran = crate::gates::gate(dir, &settings, &[], true);
+    let told = "are exact with the sign of every gap turned";
+    assert!(ran.code == 1 && ran.out.contains("2 cases passed"), "{}{}", ran.out, ran.err);
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for text in [
+        ran.out,
+        std::fs::read_to_string(dir.join("junit.xml")).expect("JUnit"),
+        std::fs::read_to_string(dir.join("summary.md")).expect("a summary"),
+    ] {
+        assert!(words(&text).contains(told), "{text}");
+    }
 }

@@ -20,17 +20,39 @@ fn on_a_line(text: &str) -> String {
     excerpt(text, usize::MAX)
 }
 
-/// JUnit XML: a suite for each group, a case for each check, with the time it took and the command that replays what fails.
+/// What is wrong with an external engine, in a sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnosed {
+    /// The campaign that showed it, as the names of its checks begin: `fixed`.
+    pub campaign: String,
+    /// The sentence.
+    pub sentence: String,
+}
+
+impl Diagnosed {
+    /// The sentence with its campaign.
+    pub fn line(&self) -> String {
+        format!("{} campaign: {}", self.campaign, self.sentence)
+    }
+
+    fn is_of(&self, check: &Check) -> bool {
+        check.name.strip_prefix(&self.campaign).is_some_and(|rest| rest.starts_with(": "))
+    }
+}
+
+/// JUnit XML: a suite for each group, a case for each check, with the time it took and the command that replays what fails. What is wrong with external engines,
+/// a line each as [`Diagnosed`] has them, stands with the first failed check of the campaign that showed it.
 ///
 /// # Errors
 /// Those of the XML writer.
-pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
+pub fn junit(checks: &[Check], diagnosed: &[Diagnosed]) -> Result<String, quick_junit::SerializeError> {
     let mut report = Report::new(NAME);
     let sum = |wanted: &dyn Fn(&&Check) -> bool| {
         Duration::try_from_secs_f64(checks.iter().filter(wanted).map(|check| check.seconds).sum()).unwrap_or_default()
     };
     let of_group = |group: &str| sum(&|check| check.group == group);
     report.set_time(sum(&|_| true));
+    let mut untold: Vec<&Diagnosed> = diagnosed.iter().collect();
     for group in ["limit", "engine", "baseline", "corpus", "gate"] {
         if ["engine", "gate"].contains(&group) && !checks.iter().any(|check| check.group == group) {
             continue;
@@ -57,6 +79,14 @@ pub fn junit(checks: &[Check]) -> Result<String, quick_junit::SerializeError> {
             // What is gone of a baseline, or what an engine left unsaid, is worth a word though nothing fails.
             if check.status == CheckStatus::Pass && ["limit", "engine", "baseline"].contains(&group) {
                 case.set_system_out(on_a_line(&check.message));
+            }
+            if check.status == CheckStatus::Fail {
+                let (told, rest) = untold.into_iter().partition(|one: &&Diagnosed| one.is_of(check));
+                untold = rest;
+                if !told.is_empty() {
+                    let lines: Vec<String> = told.iter().map(|one| on_a_line(&one.line())).collect();
+                    case.set_system_out(lines.join("\n"));
+                }
             }
             suite.add_test_case(case);
         }
@@ -93,8 +123,8 @@ pub fn annotations(checks: &[Check]) -> String {
 /// So many characters of a check's name or text are in the summary.
 const LONGEST: usize = 1000;
 
-/// The summary in Markdown: one row for each check but the corpus' passes.
-pub fn markdown(checks: &[Check]) -> String {
+/// The summary in Markdown: one row for each check but the corpus' passes, and what is wrong with external engines.
+pub fn markdown(checks: &[Check], diagnosed: &[Diagnosed]) -> String {
     let special = |c: char| if "\\`*_{}[]<>&#|~".contains(c) { format!("\\{c}") } else { c.to_string() };
     let line = |text: &str| excerpt(&text.replace(['\n', '\r'], " "), LONGEST);
     let cell = |text: &str| line(text).chars().map(special).collect::<String>();
@@ -105,5 +135,9 @@ pub fn markdown(checks: &[Check]) -> String {
         text += &format!("| {} | {} | {} |\n", check.status.name(), cell(&check.name), cell(&check.message));
     }
     let corpus = checks.iter().filter(|c| c.group == "corpus" && c.status == CheckStatus::Pass).count();
+    if !diagnosed.is_empty() {
+        text += "\nWhat is wrong, by the answers of the campaign:\n\n";
+        text.extend(diagnosed.iter().map(|one| format!("- {}\n", cell(&one.line()))));
+    }
     text + &format!("\n{}; {corpus} {} of the corpus passed.\n", summary(checks), noun(corpus, "case", "cases"))
 }
