@@ -97,7 +97,7 @@ fn misread(word: &str, question: &mut Value) {
 }
 
 /// A mistake in what is found: gaps with the wrong sign or always the same, entrances all called v-f, corners of five and more edges left out, the first
-/// corner of A left out, one contact forgotten in one pair of a thousand.
+/// corner of A left out, no more than four contacts listed, one contact forgotten in one pair of a thousand.
 fn mistake(word: &str, question: &Value, contacts: &mut Vec<Contact>) {
     let constant = |sign: Sign| move |contact: &mut Contact| contact.gap = sign;
     let edges = |block: &str, vertex: u32| {
@@ -120,6 +120,7 @@ fn mistake(word: &str, question: &Value, contacts: &mut Vec<Contact>) {
         "first" => {
             contacts.retain(|contact| !(contact.kind().name().starts_with('v') && contact.key.numbers()[0] == 0));
         }
+        "four" => contacts.truncate(4),
         "thousandth" => {
             let sum = question["b"]["vertices"]
                 .to_string()
@@ -142,7 +143,7 @@ fn trick(word: &str, question: &Value) -> Option<String> {
     let id = &question["id"];
     match word {
         "kinds" | "" | "f32" | "territory" | "millimetre" | "epsilon" | "order" | "exchanged" | "sign" | "positive"
-        | "negative" | "zero" | "v-f" | "corners" | "first" | "thousandth" | "late" => None,
+        | "negative" | "zero" | "v-f" | "corners" | "first" | "four" | "thousandth" | "late" => None,
         "second" if id.as_u64().is_some_and(|id| id % 2 == 1) => std::process::exit(3),
         "second" => None,
         "escape" if first == 0 => None,

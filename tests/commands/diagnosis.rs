@@ -62,6 +62,7 @@ fn each_mistake_is_told() {
         ("v-f", "entrance-always-v-f", "512"),
         ("late", "one-answer-late", "512"),
         ("corners", "corners-of-5-edges-left-out", "2048"),
+        ("four", "at-most-4-contacts", "512"),
     ] {
         let (rows, said) = diagnosed(dir.path(), mistake, &["--pairs", pairs]);
         let (found, answers, differing) = first(&rows);
@@ -107,6 +108,15 @@ fn mistaken_cpp_client(mistake: &str) -> Option<String> {
         changed_cpp_client(dir.path(), said, &wrong).map(|client| (dir, client))
     });
     client.as_ref().map(|(_, client)| format!("env WRONG={mistake} {client}"))
+}
+
+#[test]
+fn an_array_that_is_full_is_told() {
+    let dir = crate::place::folder();
+    let many = ["--pairs", "128", "--tolerances", "auto", "--family", "coplanar_slide,concave_notch"];
+    let (rows, _) = diagnosed(dir.path(), "four", &many);
+    let (found, answers, differing) = first(&rows);
+    assert!(found == "at-most-4-contacts" && answers == differing && answers > 20, "{rows:#?}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Hypotheses about how right answers are said wrongly: signs, entrances, normals, units.
 
 use super::hypothesis::Hypothesis;
-use super::question::PreparedQuestion;
+use super::question::{PreparedQuestion, Reply};
 use crate::separation_state::{ReportedState, SeparationState};
 use rockproof_model::decision::Feature;
 use rockproof_model::{Contact, ContactKey, Entrance, EntranceKind, Sign};
@@ -20,6 +20,39 @@ impl Hypothesis for NoContacts {
 
     fn contacts(&self, _: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
         Some(Vec::new())
+    }
+}
+
+/// No more than so many contacts of a pair are listed, whichever: an array is full.
+struct AtMost(usize);
+
+/// The largest such array that is looked for.
+const LARGEST_ARRAY: usize = 16;
+
+impl Hypothesis for AtMost {
+    fn name(&self) -> String {
+        format!("at-most-{}-contacts", self.0)
+    }
+
+    fn sentence(&self) -> String {
+        let noun = if self.0 == 1 { "contact" } else { "contacts" };
+        format!("but that no more than {} {noun} of a pair are listed", self.0)
+    }
+
+    /// Those that it lists, if they are as many as there may be.
+    fn contacts(&self, asked: &PreparedQuestion<'_>) -> Option<Vec<Contact>> {
+        let exact = asked.exact();
+        let Reply::Contacts(said) = &asked.question.reply else { return None };
+        if exact.len() <= self.0 {
+            return Some(exact.to_vec());
+        }
+        let is_listed = |contact: &&Contact| said.iter().any(|one| one.key == contact.key);
+        let listed: Vec<Contact> = exact.iter().filter(is_listed).copied().collect();
+        Some(if listed.len() == self.0 { listed } else { exact[..self.0].to_vec() })
+    }
+
+    fn leaves_open(&self) -> bool {
+        true
     }
 }
 
@@ -106,7 +139,8 @@ pub(super) fn all() -> impl Iterator<Item = Box<dyn Hypothesis>> {
         WrongReply::Squared,
     ];
     let turned = std::iter::once(WrongReply::GapTurned).chain(planes.map(WrongReply::GapTurnedAt));
-    turned.chain(others).chain(touching).map(|said| Box::new(said) as Box<dyn Hypothesis>)
+    let wrong = turned.chain(others).chain(touching).map(|said| Box::new(said) as Box<dyn Hypothesis>);
+    wrong.chain((1..=LARGEST_ARRAY).map(|most| Box::new(AtMost(most)) as Box<dyn Hypothesis>))
 }
 
 impl Hypothesis for WrongReply {

@@ -12,6 +12,8 @@ use rockproof_model::Precision;
 enum StateMistake {
     /// Blocks in the first state by no more than 10^−n m are said to be in the second.
     Within([SeparationState; 2], u8),
+    /// Blocks that overlap, however deep, are said to be in this state: the code measures distances alone.
+    NeverOverlapping(SeparationState),
     /// Gap and normal in so many significant digits.
     Digits(usize),
     /// The gap in so many digits after the point.
@@ -32,7 +34,8 @@ pub(super) fn all() -> impl Iterator<Item = Box<dyn Hypothesis>> {
     let within = taken_for.into_iter().flat_map(|side| EXPONENTS.map(move |n| StateMistake::Within(side, n)));
     let digits = [6, 7, 4, 5].map(StateMistake::Digits).into_iter();
     let decimals = [6, 4, 3, 2].map(StateMistake::Decimals);
-    let all = within.chain(digits).chain(decimals).chain([StateMistake::InSingle]);
+    let never = [Touching, Apart].map(StateMistake::NeverOverlapping).into_iter();
+    let all = never.chain(within).chain(digits).chain(decimals).chain([StateMistake::InSingle]);
     all.map(|mistake| Box::new(mistake) as Box<dyn Hypothesis>)
 }
 
@@ -40,6 +43,7 @@ impl Hypothesis for StateMistake {
     fn name(&self) -> String {
         match self {
             StateMistake::Within([is, said], n) => format!("{is}-by-1e-{n}-is-{said}"),
+            StateMistake::NeverOverlapping(said) => format!("overlapping-is-{said}"),
             StateMistake::Digits(digits) => format!("gap-in-{digits}-digits"),
             StateMistake::Decimals(digits) => format!("gap-in-{digits}-decimals"),
             StateMistake::InSingle => "state-in-f32".to_owned(),
@@ -50,6 +54,9 @@ impl Hypothesis for StateMistake {
         match self {
             StateMistake::Within([is, said], n) => {
                 format!("but for blocks {is} by up to 1e-{n} m, which are called {said}")
+            }
+            StateMistake::NeverOverlapping(said) => {
+                format!("but for blocks that overlap, however deep, which are called {said}")
             }
             StateMistake::Digits(digits) => format!("with the gap printed in {digits} significant digits"),
             StateMistake::Decimals(digits) => format!("with the gap printed in {digits} digits after the point"),
@@ -66,6 +73,10 @@ impl Hypothesis for StateMistake {
                 let is_meant = comparison.exact == *is && exact.abs() <= limit;
                 Some(if is_meant { said.state == *called } else { wrong.is_none() })
             }
+            StateMistake::NeverOverlapping(called) => Some(match comparison.exact {
+                Overlapping => said.state == *called,
+                Apart | Touching => wrong.is_none(),
+            }),
             StateMistake::Digits(_) | StateMistake::Decimals(_) => {
                 let gap_m = said.gap_m?;
                 let meant = ReportedState { gap_m: None, ..said };
@@ -101,8 +112,13 @@ impl Hypothesis for StateMistake {
         gaps().is_some_and(|(said, given, single)| (said - given).abs() * FAR_NEARER < (said - single).abs())
     }
 
+    fn is_refuted(&self, asked: &PreparedQuestion<'_>) -> bool {
+        let Reply::State(said) = asked.question.reply else { return false };
+        matches!(self, StateMistake::NeverOverlapping(_)) && said.state == Overlapping
+    }
+
     fn leaves_open(&self) -> bool {
-        matches!(self, StateMistake::InSingle)
+        matches!(self, StateMistake::InSingle | StateMistake::NeverOverlapping(_))
     }
 
     fn allows_for_more(&self) -> bool {
@@ -112,7 +128,10 @@ impl Hypothesis for StateMistake {
     fn ladder(&self) -> Option<(String, usize)> {
         match self {
             StateMistake::Within([is, said], n) => Some((format!("{is}-is-{said}"), usize::from(*n))),
-            StateMistake::Digits(_) | StateMistake::Decimals(_) | StateMistake::InSingle => None,
+            StateMistake::NeverOverlapping(_)
+            | StateMistake::Digits(_)
+            | StateMistake::Decimals(_)
+            | StateMistake::InSingle => None,
         }
     }
 
@@ -138,7 +157,7 @@ impl StateMistake {
         match self {
             StateMistake::Digits(digits) => format!("{number:.*e}", digits - 1).parse().ok(),
             StateMistake::Decimals(digits) => format!("{number:.digits$}").parse().ok(),
-            StateMistake::Within(..) | StateMistake::InSingle => None,
+            StateMistake::Within(..) | StateMistake::NeverOverlapping(_) | StateMistake::InSingle => None,
         }
     }
 }

@@ -56,6 +56,34 @@ fn collision_codes_are_told_what_is_wrong() {
     assert_eq!(first(|_| {}), told(NotRepeated, ""));
 }
 
+#[test]
+fn a_code_that_never_says_overlapping_is_told() {
+    for called in [SeparationState::Touching, SeparationState::Apart] {
+        let never = |gap| question(gap, ReportedState { state: called, gap_m: None, normal: None });
+        // Not always the same: apart where they are, and touching where they do.
+        let right = |gap| {
+            let touching = ReportedState { state: SeparationState::Touching, gap_m: Some(0.0), normal: None };
+            question(gap, if gap == 0.0 { touching } else { said(gap, |_| {}) })
+        };
+        let sample = Sample {
+            differing: [-0.5, -0.25, -0.125].map(never).to_vec(),
+            agreeing: [0.5, 0.0].map(right).to_vec(),
+            all_differing: 3,
+        };
+        let diagnosed = |sample: &Sample| {
+            let crash = Reply::Nothing(crate::compare::AnswerChange::Crash);
+            let rows = diagnose("mine", sample, &|_, _| crash.clone(), &|_| None);
+            let explains = rows.into_iter().filter(|row| row.verdict == DiagnosisVerdict::Explains);
+            explains.map(|row| (row.hypothesis, row.answers)).collect::<Vec<_>>()
+        };
+        let name = format!("overlapping-is-{called}");
+        assert_eq!(diagnosed(&sample), [(name.clone(), 3)]);
+        // One that says it of some pairs is another.
+        let sample = Sample { agreeing: [0.5, -0.375].map(right).to_vec(), ..sample };
+        assert!(diagnosed(&sample).iter().all(|(explains, _)| *explains != name));
+    }
+}
+
 /// Four pairs with contacts, each with the same answer, and a pair without contacts that is answered so.
 fn of_replies(reply: &Reply) -> Vec<DiagnosisRow> {
     let with = |gap: f64, reply: Reply| Question { reply, ..question(gap, said(gap, |_| {})) };
