@@ -145,9 +145,9 @@ impl<R: Real> StandstillWatch<R> {
         let ((old, from), (new, to)) = (&self.before[block], &after[block]);
         let stands: [bool; 3] =
             std::array::from_fn(|axis| from.iter().zip(to).all(|(from, to)| from[axis] == to[axis]));
-        let way = std::array::from_fn(|axis| match stands[axis] {
-            true => report.time_step * (new[axis].to_f64() / self.dynamic + old[axis].to_f64()) / 2.0,
-            false => 0.0,
+        // All of the way first: what a slope keeps the block from along one axis depends on how it moves along the others.
+        let way = std::array::from_fn(|axis| {
+            report.time_step * (new[axis].to_f64() / self.dynamic + old[axis].to_f64()) / 2.0
         });
         let free = held.free(way);
         for axis in 0..3 {
@@ -209,5 +209,28 @@ impl Standstill {
             in_four_digits(*speed),
             in_four_digits(*missing)
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slope_holds_along_its_normal_alone() {
+        let mut held = Held::Along(Vec::new());
+        held.add(Mode::Sliding, [0.6, 0.0, 0.8]);
+        let near =
+            |found: [f64; 3], way: [f64; 3]| found.iter().zip(way).all(|(found, way)| (found - way).abs() < 1e-12);
+        assert!(near(held.free([0.8, 0.0, -0.6]), [0.8, 0.0, -0.6]), "down the slope");
+        assert!(near(held.free([0.6, 0.0, 0.8]), [0.0; 3]), "off it");
+        held.add(Mode::Sliding, [0.6, 0.0, 0.8]);
+        assert!(near(held.free([0.0, 1.0, 0.0]), [0.0, 1.0, 0.0]), "one direction");
+        held.add(Mode::Sliding, [0.0, 0.6, 0.8]);
+        assert_eq!(held.free([0.0, 1.0, 0.0]).map(|way| way == 0.0), [false; 3], "along the line of both");
+        let mut fast = held.clone();
+        fast.add(Mode::Locked, [1.0, 0.0, 0.0]);
+        held.add(Mode::Sliding, [1.0, 0.0, 0.0]);
+        assert_eq!([held.free([1.0; 3]), fast.free([1.0; 3])], [[0.0; 3]; 2]);
     }
 }

@@ -27,7 +27,7 @@ pub struct Totals {
     /// Steps that count as converged though friction had not settled, by more than [`Totals::FRICTION_LEFT`].
     #[serde(default, skip_serializing_if = "is_none")]
     pub unsettled: u64,
-    /// The largest [`StepReport::friction_left`] of a step.
+    /// The largest [`StepReport::friction_left`] of a step, 1 where it is more: where nothing else acts on a block it has no bound.
     #[serde(default, skip_serializing_if = "Extreme::is_none")]
     pub friction_left: Extreme,
     /// Attempts given up because modes still changed, because a vertex moved too far, because a block turned too far.
@@ -114,7 +114,7 @@ impl Totals {
         self.unconverged += u64::from(!report.converged);
         if report.friction_left > Totals::FRICTION_LEFT {
             self.unsettled += 1;
-            self.friction_left.add(report.friction_left, report.step);
+            self.friction_left.add(report.friction_left.min(1.0), report.step);
         }
         for retry in &report.retries {
             self.retries[retry.why as usize] += 1;
