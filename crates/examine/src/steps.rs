@@ -147,7 +147,7 @@ fn make_in<R: Solve>(
                     deepen(&mut found.explained, &audit.explained);
                 }
                 found.unconverged += u64::from(report.step > 0 && !report.converged);
-                found.unsettled += u64::from(report.step > 0 && report.friction_left > Totals::FRICTION_LEFT);
+                found.unsettled += u64::from(report.step > 0 && Totals::is_unsettled(&report));
                 let state = run.state();
                 found.made = state.step;
                 if report.step <= 0 && state.settling == 0 {

@@ -14,6 +14,7 @@ use rockproof_model::tolerance_rules::{MeasuredModel, stiffness_slack};
 use rockproof_model::{Precision, Scene, ToleranceSet};
 use rockproof_report::table::grouped;
 use rockproof_report::verdict::Severity;
+use rockproof_simulate::Totals;
 
 /// The file of the set to use.
 pub(crate) const SET: &str = "tolerances.toml";
@@ -192,10 +193,10 @@ fn reasons(found: &Examination, units: bool) -> String {
         said.push("blocks overlap deeper than penetration after steps, held only by contacts closed before".to_owned());
     }
     if given.steps.lose_friction() {
-        said.push(
-            "friction does not settle in a step, so that blocks move otherwise than it lets them: a shorter time_step, or softer springs"
-                .to_owned(),
-        );
+        said.push(format!(
+            "friction does not settle in a step, so that blocks move otherwise than it lets them: {}",
+            Totals::SETTLES_FRICTION
+        ));
     }
     said.extend(given.warnings.iter().map(|warning| warning.kind.title().to_owned()));
     said.extend(given.stored.first().map(|worst| worst.sentence(scene)));

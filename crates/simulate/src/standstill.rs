@@ -2,6 +2,7 @@
 //! speed. In f32 that is 15 µm at 300 m from the origin.
 
 use crate::audit::in_four_digits;
+use crate::frame::dot;
 use rockproof_model::Scene;
 use rockproof_model::simulation::step_in_words;
 use rockproof_stepper::Real;
@@ -94,10 +95,6 @@ impl Held {
             Held::Along(known) => across(way, known),
         }
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The part of a vector across unit vectors that are square to one another.

@@ -24,7 +24,7 @@ pub struct Totals {
     pub most_iterations: u32,
     /// Steps accepted without converging.
     pub unconverged: u64,
-    /// Steps that count as converged though friction had not settled, by more than [`Totals::FRICTION_LEFT`].
+    /// Steps that [count as converged though friction had not settled](Totals::is_unsettled).
     #[serde(default, skip_serializing_if = "is_none")]
     pub unsettled: u64,
     /// The largest [`StepReport::friction_left`] of a step, 1 where it is more: where nothing else acts on a block it has no bound.
@@ -81,7 +81,15 @@ impl Extreme {
 impl Totals {
     /// The share of the forces on a block by which friction may be off before that is told: ten times what SPEC section 5 takes for settled, since blocks that
     /// strike one another have a few per cent now and then.
-    pub const FRICTION_LEFT: f64 = 0.1;
+    const FRICTION_LEFT: f64 = 0.1;
+
+    /// What mends a step in which friction does not settle.
+    pub const SETTLES_FRICTION: &str = "a shorter time_step, or softer springs";
+
+    /// Whether a step counts as converged though friction had not settled, so that blocks moved otherwise than it lets them.
+    pub fn is_unsettled(report: &StepReport) -> bool {
+        report.friction_left > Totals::FRICTION_LEFT
+    }
 
     /// In how many steps friction had not settled, and in which it was furthest from it; `None` where there is no such step.
     pub fn unsettled_in_words(&self) -> Option<String> {
@@ -91,9 +99,10 @@ impl Totals {
         let steps = if self.unsettled == 1 { "1 step".to_owned() } else { format!("{} steps", self.unsettled) };
         let Extreme { value, step } = self.friction_left;
         Some(format!(
-            "not settled in {steps} (in {} by {:.0} % of the forces on a block), so that blocks move otherwise than friction lets them: a shorter time_step, or softer springs",
+            "not settled in {steps} (in {} by {:.0} % of the forces on a block), so that blocks move otherwise than friction lets them: {}",
             step_in_words(step),
-            100.0 * value.0
+            100.0 * value.0,
+            Totals::SETTLES_FRICTION
         ))
     }
 
@@ -112,7 +121,7 @@ impl Totals {
         self.iterations += u64::from(report.iterations);
         self.most_iterations = self.most_iterations.max(report.iterations);
         self.unconverged += u64::from(!report.converged);
-        if report.friction_left > Totals::FRICTION_LEFT {
+        if Totals::is_unsettled(report) {
             self.unsettled += 1;
             self.friction_left.add(report.friction_left.min(1.0), report.step);
         }
