@@ -5,8 +5,10 @@ use crate::input::{ReadArgs, model_help, precision};
 use crate::input_file::InputFile;
 use crate::output_file::OverwriteArgs;
 use anyhow::Context;
+use rockproof_examine::refuse_too_large;
+use rockproof_model::block::Point;
 use rockproof_model::scene::{FormatError, SceneFormat, losses, write};
-use rockproof_model::{Block, BlockOptions, Precision, Scene};
+use rockproof_model::{Block, BlockOptions, Number, Precision, Scene, Vec3};
 use rockproof_report::table::counted;
 use rockproof_results::write_atomically;
 use std::path::PathBuf;
@@ -18,7 +20,7 @@ use std::path::PathBuf;
 /// already is replaced with `--overwrite` alone.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  rockproof convert cells.txt cells.toml --planarity 1e-4\n  rockproof convert scan.stl blocks.toml --weld 1e-6 --planarity 1e-5"
+    after_help = "Example:\n  rockproof convert cells.txt cells.toml --planarity 1e-4\n  rockproof convert scan.stl blocks.toml --weld 1e-6 --planarity 1e-5\n  rockproof convert site.toml site-local.toml --origin local"
 )]
 pub(crate) struct Convert {
     #[arg(help = model_help(), value_hint = clap::ValueHint::FilePath)]
@@ -30,12 +32,41 @@ pub(crate) struct Convert {
     #[command(flatten)]
     read: ReadArgs,
 
+    /// Give all points relative to this one, in metres: exact, and before anything is rounded; `local` for one near the lowest corner where coordinates are
+    /// far larger than the model
+    #[arg(long, value_name = "X,Y,Z|local", value_parser = origin, allow_hyphen_values = true)]
+    origin: Option<Origin>,
+
     /// Round every coordinate to f32 or f64
     #[arg(long, value_parser = precision)]
     precision: Option<Precision>,
 
     #[command(flatten)]
     overwrite: OverwriteArgs,
+}
+
+/// What `--origin` names.
+#[derive(Clone, Debug)]
+enum Origin {
+    /// A point that the scene has near its lowest corner.
+    Local,
+    /// This point (m).
+    At(Point),
+}
+
+/// `local`, or three numbers.
+fn origin(text: &str) -> Result<Origin, String> {
+    if text == "local" {
+        return Ok(Origin::Local);
+    }
+    let numbers: Result<Vec<Number>, String> = text
+        .split(',')
+        .map(|part| Number::parse(part.trim()).map_err(|error| format!("\"{}\": {error}", part.trim())))
+        .collect();
+    match <[Number; 3]>::try_from(numbers?) {
+        Ok([x, y, z]) => Ok(Origin::At(Vec3::new(x, y, z))),
+        Err(found) => Err(format!("{} numbers; allowed are three, X,Y,Z in metres, and `local`", found.len())),
+    }
 }
 
 impl Convert {
@@ -45,6 +76,7 @@ impl Convert {
             .ok_or(FormatError::ReadOnly)
             .with_context(|| self.output.display().to_string())?;
         let mut scene = self.read.scene(&self.input)?;
+        self.move_origin(&mut scene)?;
         if let Some(precision) = self.precision {
             self.round(&mut scene, precision)?;
         }
@@ -57,6 +89,26 @@ impl Convert {
         }
         print(&format!("{}: {}\n", self.output.display(), counted(scene.blocks.len() as u64, "block", "blocks")))?;
         Ok(ExitStatus::Passed)
+    }
+
+    /// Gives all points relative to the origin asked for.
+    fn move_origin(&self, scene: &mut Scene) -> anyhow::Result<()> {
+        let origin = match &self.origin {
+            None => return Ok(()),
+            Some(Origin::At(origin)) => origin.clone(),
+            Some(Origin::Local) => match scene.local_origin() {
+                Some(origin) => origin,
+                None => {
+                    print_note("the origin stays: coordinates are no more than 16 times as large as the model");
+                    return Ok(());
+                }
+            },
+        };
+        scene.move_origin_to(&origin);
+        refuse_too_large(scene).with_context(|| format!("{}: --origin", self.input.path().display()))?;
+        let [x, y, z] = origin.components();
+        print_note(&format!("the origin is now where ({x}, {y}, {z}) was"));
+        Ok(())
     }
 
     /// Rounds every coordinate; what is no block then is an error.

@@ -47,6 +47,7 @@ mod kept_results;
 #[cfg(target_os = "linux")]
 mod large_files;
 mod latex;
+mod local_origin;
 mod lockstep_cli;
 mod merge_command;
 mod model_doubts;

@@ -293,7 +293,11 @@ fn what_no_tolerance_mends_in_f32_is_said_and_the_search_is_in_f32() {
     let said =
         "rule violated, and no tolerances keep all in f32 at such coordinates: only a local origin helps, or f64";
     assert!(code == 1 && out.starts_with("not safe: ") && out.contains(said), "{out}");
-    assert!(out.ends_with("next: rockproof examine far.toml --precision f64 --out examined --overwrite\n"), "{out}");
+    assert!(out.ends_with("next: rockproof convert far.toml far-local.toml --origin local\n"), "{out}");
+    // Of a model that is itself so large no other origin makes coordinates smaller.
+    place.file("wide.toml", &CUBE.replace("max = [4, 4, 1]", "max = [4, 4649780, 1]"));
+    let (_, out) = examined(&place, "wide.toml", &["--precision", "f32"]);
+    assert!(out.ends_with("next: rockproof examine wide.toml --precision f64 --out examined --overwrite\n"), "{out}");
     let (_, out, _) = place.run(&["check", "far.toml", "--precision", "f32"]);
     assert!(out.contains("satisfied  by all coordinates ≤ ") && !out.contains("territory ≥ 14"), "{out}");
     // A territory that is only too small can be mended, in the same precision.

@@ -4,6 +4,7 @@ use crate::bare_edges::{BareEdge, bare_edges};
 use crate::checked::CheckedModel;
 use crate::error::ExamineError;
 use crate::extents::short;
+use crate::local_origin::LocalOrigin;
 use crate::naming::file_name;
 use crate::overlaps::{MeasuredOverlaps, OverlapScope, Overlaps, overlaps};
 use crate::pairs::{self, ExaminedPair, PRECISIONS};
@@ -74,6 +75,8 @@ pub struct Examination {
     pub name: String,
     /// How the model does with it.
     pub given: Assessment,
+    /// How it does relative to a local origin, where that is better.
+    pub local_origin: Option<LocalOrigin>,
     /// Another set.
     pub other: Recommendation,
 }
@@ -156,8 +159,9 @@ impl Work<'_> {
         let [f32, f64] = PRECISIONS.map(|precision| model.spec.derive(&shapes, precision));
         let sets = NamedSet { name: name.as_str().into(), f32: f32?, f64: f64? };
         let Some(given) = self.assess(&model, &sets)? else { return Ok(None) };
+        let local_origin = LocalOrigin::of(&model, &given, &name, (self.seen, self.stop))?;
         let Some(other) = self.recommend(&model, &given)? else { return Ok(None) };
-        Ok(Some(Examination { model, name, given, other }))
+        Ok(Some(Examination { model, name, given, local_origin, other }))
     }
 
     /// How the model does with a set; `None` where it was stopped meanwhile.

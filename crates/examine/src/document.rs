@@ -3,13 +3,14 @@
 use crate::assess::{Assessment, Examination};
 use crate::bare_edges::BareEdge;
 use crate::checked::{tolerances_json, violation_json, warning_json};
+use crate::local_origin::LocalOrigin;
 use crate::pairs::{ExaminedPair, PRECISIONS};
 use crate::recommend::Recommendation;
 use crate::results::PairFacts;
 use crate::steps::Steps;
 use crate::stored_energy::StoredEnergy;
 use crate::verdict::{Verdict, best_of};
-use rockproof_model::Precision;
+use rockproof_model::{Number, Precision};
 use serde_json::{Value, json};
 
 /// The document; `next` in it is null where the verdict has none.
@@ -41,10 +42,19 @@ pub fn document(found: &Examination, verdict: &Verdict) -> Value {
         "lines": lines,
         "next": verdict.next,
         "model": found.model.json(),
+        "local_origin": found.local_origin.as_ref().map(local_origin),
         "given": assessment(&found.given, found.model.precision),
         "recommended": recommended,
         "search": why,
         "pairs": bad.map(pair).collect::<Vec<_>>(),
+    })
+}
+
+fn local_origin(of: &LocalOrigin) -> Value {
+    json!({
+        "origin_m": of.origin.components().map(Number::approximate),
+        "pairs_broken": of.broken,
+        "rules_violated": of.violations,
     })
 }
 

@@ -7,7 +7,7 @@ use crate::verdict::{NOT_DECIDED, SET};
 use rockproof_differential::external::spec::quoted;
 use rockproof_model::scene::SceneFormat;
 use rockproof_model::{Precision, Rule};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The command for this answer; `units` where they are in doubt.
 pub(crate) fn next_command(
@@ -47,6 +47,9 @@ pub(crate) fn next_command(
         let (set, out) = (shown(SET), quoted(&format!("{}-set", dir.display())));
         return format!("rockproof examine {file} --tolerances {set}{precision} --out {out}");
     }
+    if found.local_origin.is_some() {
+        return format!("rockproof convert {file} {} --origin local", quoted_path(&local_file(&found.model.file)));
+    }
     if single && is_too_far_for_f32(found) {
         return format!("rockproof examine {file}{given} --precision f64{out} --overwrite");
     }
@@ -62,6 +65,16 @@ pub(crate) fn next_command(
         _ if single => format!("rockproof tune {file}{given} --engine stepper-f32"),
         _ => format!("rockproof tune {file}{given}"),
     }
+}
+
+/// The file beside a model for the same relative to a local origin.
+fn local_file(model: &Path) -> PathBuf {
+    // What came from stdin is called `<stdin>`.
+    let stem = model.file_stem().unwrap_or_default().to_string_lossy();
+    let name = format!("{}-local.toml", stem.trim_matches(['<', '>']));
+    // A name that begins with a hyphen would be an option.
+    let folder = if name.starts_with('-') { Path::new(".") } else { Path::new("") };
+    model.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(folder).join(name)
 }
 
 /// Whether coordinates are so large for the shortest edge that no tolerances keep all rules in f32: no `territory` is above the roundings and within a quarter of it.

@@ -168,12 +168,19 @@ fn reasons(found: &Examination, units: bool) -> String {
     }
     if !given.violations.is_empty() {
         let far = ", and no tolerances keep all in f32 at such coordinates: only a local origin helps, or f64";
-        let far = if is_too_far_for_f32(found) { far } else { "" };
+        let near = found.local_origin.as_ref().filter(|local| local.violations < given.violations.len());
+        let far = match near {
+            _ if is_too_far_for_f32(found) => far.to_owned(),
+            Some(local) => format!(", {} relative to a local origin", none_or(local.violations)),
+            None => String::new(),
+        };
         said.push(format!("{} violated{far}", plural(given.violations.len(), "rule", "rules")));
     }
     let [_, broken] = given.differing(precision);
     if broken > 0 {
-        said.push(format!("{} broken in {precision}", plural(broken, "pair", "pairs")));
+        let near = found.local_origin.as_ref().filter(|local| local.broken < broken);
+        let near = near.map(|local| format!(", {} of them relative to a local origin", none_or(local.broken)));
+        said.push(format!("{} broken in {precision}{}", plural(broken, "pair", "pairs"), near.unwrap_or_default()));
     }
     if given.steps.find_fault() {
         let passing = given.steps.made().map_or(0, |made| made.passages.len() + made.unseen.len());
@@ -205,6 +212,11 @@ fn reasons(found: &Examination, units: bool) -> String {
         said.push(untouched(given, scene));
     }
     said.join("; ")
+}
+
+/// A count, or that there is none.
+fn none_or(count: usize) -> String {
+    if count == 0 { "none".to_owned() } else { grouped(count as u64) }
 }
 
 fn model(found: &Examination, doubt: Option<&str>) -> Line {
@@ -283,9 +295,13 @@ fn differing(found: &Examination, precision: Precision, is_asked: bool) -> Line 
     let arithmetic = sum(|pair, precision| pair.in_precision(precision).arithmetic);
     let defects = sum(|pair, precision| pair.in_precision(precision).defects);
     let severity = if broken > 0 && is_asked { Severity::Bad } else { Severity::Fair };
-    let beyond = if broken == 0 { "none".to_owned() } else { grouped(broken as u64) };
+    let beyond = none_or(broken);
+    let near = found.local_origin.as_ref().filter(|local| is_asked && local.broken < broken);
+    let near = near.map_or(String::new(), |local| {
+        format!(", but {} relative to a local origin at ({})", none_or(local.broken), local.point())
+    });
     let text = format!(
-        "{} of {pairs} {verb} from the exact contacts, {beyond} by more than rounding explains (contacts that differ: {rounding} by rounding the input, \
+        "{} of {pairs} {verb} from the exact contacts, {beyond} by more than rounding explains{near} (contacts that differ: {rounding} by rounding the input, \
          {arithmetic} by arithmetic, {defects} by mistakes in code){too_far}",
         grouped(differ as u64)
     );

@@ -6,6 +6,7 @@ mod cells;
 mod dda;
 mod error;
 mod format;
+mod local_origin;
 mod mesh;
 mod msh;
 mod obj;
