@@ -17,7 +17,9 @@ use rockproof_report::table::{Table, TableCell, counted};
 use rockproof_results::{Owner, Start, bounded, digest};
 use rockproof_tune::distribute::StopCriterion;
 use rockproof_tune::report::{as_toml, markdown, sides, tolerances_file};
-use rockproof_tune::{EvaluatedCandidate, Evaluator, Search, SearchRecord, TuneError, UnauditedEvaluator};
+use rockproof_tune::{
+    EvaluatedCandidate, Evaluator, Search, SearchRecord, TuneError, UnauditedEvaluator, rule_warnings,
+};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -223,6 +225,7 @@ impl Tune {
                 "candidates": count,
                 "author": candidate_json(&search.tried()[0]),
                 "recommended": candidate_json(best),
+                "warnings": rule_warnings(&best.set, evaluator.scene()),
                 "directory": dir.display().to_string(),
             })
         })?;

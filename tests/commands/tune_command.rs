@@ -186,6 +186,31 @@ fn a_preset_that_has_no_row_has_a_line_that_says_why() {
     assert!(!printed.contains("- preset `shi`"), "it has a row: {printed}");
 }
 
+/// A joint too soft for the weights: rules are met, but a fall ends too deep.
+#[test]
+fn what_check_warns_of_under_the_set_found_is_told() {
+    let dir = crate::place::folder();
+    let (scene, out) = (path(dir.path(), "scene.toml"), path(dir.path(), "out"));
+    let soft = SCENE.replace("preset = \"shi\"\nsearch = 0.01", "preset = \"auto\"");
+    fs::write(&scene, format!("{soft}\n[[joint]]\nnormal_stiffness = 1e7\n")).expect("write");
+    let asked = ["tune", &scene, "--candidates", "1", "--steps", "1", "--out", &out];
+    let (_, printed, err) = rockproof(&asked);
+    let said = "`check` warns of the model under this set:\n\n- a fall from the height of the model may end deeper than `penetration` (block 1): use normal_stiffness ≥ ";
+    assert!(printed.contains(said), "{printed}{err}");
+    let (_, printed, _) = rockproof(&[&asked[..], &["--overwrite", "--format", "json"]].concat());
+    let found: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
+    let set = path(Path::new(&out), "tolerances.toml");
+    let (_, printed, _) = rockproof(&["check", &scene, "--tolerances", &set, "--format", "json"]);
+    let checked: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
+    let once = |key: &str| usize::from(!checked[key].is_null());
+    let all = checked["warnings"].as_array().map_or(0, Vec::len) + once("fall") + once("thin");
+    assert_eq!(found["warnings"].as_array().map(Vec::len), Some(all));
+    // A stiffness that stops every fall leaves nothing to warn of.
+    fs::write(&scene, format!("{soft}\n[[joint]]\nnormal_stiffness = 1e9\n")).expect("write");
+    let (_, printed, _) = rockproof(&[&asked[..], &["--overwrite"]].concat());
+    assert!(!printed.contains("`check` warns"), "{printed}");
+}
+
 /// Two slivers so low that lengths taken from the height of the model are below all of f64: `shi` cannot be had, `auto` can.
 #[test]
 fn a_preset_that_cannot_be_had_has_a_line_that_says_why() {

@@ -3,6 +3,7 @@
 // Longer than 400 lines: one text, paragraph by paragraph as it is read.
 
 use super::evaluator::Measurement;
+use super::rule_warnings::rule_warnings;
 use super::search::{EvaluatedCandidate, Search, formulas};
 use super::{AbsentPreset, Cluster, Evaluator, LockstepMeasures, StepMeasures, UnseenOverlaps};
 use rockproof_model::scene::write_tolerances;
@@ -41,6 +42,11 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     writeln!(out, "# Tolerances for {name}, {}\n", evaluator.precision())?;
     verdict(out, evaluated, best, evaluator)?;
     overlaps(out, &evaluated[best].measurement, evaluator.overlapping())?;
+    let warnings = rule_warnings(&evaluated[best].set, evaluator.scene());
+    if !warnings.is_empty() {
+        writeln!(out, "\n`check` warns of the model under this set:\n")?;
+        warnings.iter().try_for_each(|warning| writeln!(out, "- {warning}"))?;
+    }
     writeln!(out, "\n```toml\n{}```\n", as_toml(&evaluated[best].set))?;
     writeln!(out, "## Measured on\n")?;
     let d = evaluated[best].measurement.differences;
