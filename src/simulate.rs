@@ -472,7 +472,7 @@ impl Simulate {
                         "; perhaps since nothing is fixed: --hold-lowest fixes the lowest blocks"
                     }
                     StepError::Singular { .. } => {
-                        "; look at normal_stiffness, the stiffness of fixed points, young and density: they differ by more than the precision holds"
+                        "; look at time_step, normal_stiffness, the stiffness of fixed points, young and density: they differ by more than the precision holds"
                     }
                     _ => "",
                 };

@@ -125,7 +125,7 @@ fn a_system_that_cannot_be_solved_is_told_with_the_stiffnesses_to_look_at() {
     place.file("stiff.toml", &format!("{blocks}\n{floor}[[joint]]\nfriction = 0\nnormal_stiffness = 1e300\n"));
     let (code, out, err) = place.run(&["simulate", "stiff.toml", "--force", "--out", "stiff"]);
     assert!(
-        code == 1 && err.contains("a pivot is not positive; look at normal_stiffness, the stiffness of"),
+        code == 1 && err.contains("a pivot is not positive; look at time_step, normal_stiffness, the stiffness of"),
         "{out}{err}"
     );
 }
