@@ -79,6 +79,9 @@ pub(crate) struct Campaign {
     /// Examine the stress set instead: pairs more and more extreme, and steps at rest; writes stress.csv, limits.csv, steps.csv too
     #[arg(long, conflicts_with_all = ["family", "real"])]
     stress: bool,
+    /// Leave blocks where families put them, on coarse grids: many decisions are exact ties there, which a mistake as `<` for `≤` shows at
+    #[arg(long, conflicts_with = "stress")]
+    exact_ties: bool,
     /// Block file for the family `real`; may be repeated [default: those that come with the program]
     #[arg(long, value_name = "FILE")]
     real: Vec<PathBuf>,
@@ -233,7 +236,11 @@ impl Campaign {
             }
         };
         config.stress |= self.stress;
+        config.exact_ties |= self.exact_ties;
         if config.stress {
+            if config.exact_ties {
+                return Err(self.in_file(anyhow::anyhow!("the stress set has pairs of its own: no exact_ties")));
+            }
             // Options that name some are refused with --stress.
             if !config.families.is_empty() || !config.real.is_empty() {
                 return Err(self.in_file(anyhow::anyhow!("the stress set has pairs of its own: no families")));

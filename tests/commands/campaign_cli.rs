@@ -97,6 +97,26 @@ fn bad_arguments_exit_with_2_and_say_what_is_allowed() {
 }
 
 #[test]
+fn exact_ties_are_pairs_of_their_own() {
+    let dir = crate::place::folder();
+    let config = path(dir.path(), "ties.toml");
+    fs::write(&config, "exact_ties = true\n").expect("write");
+    let [usual, ties, same] = ["usual", "ties", "same"].map(|name| path(dir.path(), name));
+    assert_eq!(campaign(&usual, &[]).0, 0);
+    assert_eq!(campaign(&ties, &["--exact-ties"]).0, 0);
+    assert_eq!(campaign(&same, &[&config]).0, 0);
+    let findings = |out: &str| fs::read(Path::new(out).join("findings.csv")).expect("a table");
+    assert!(findings(&usual) != findings(&ties) && findings(&ties) == findings(&same));
+    let (code, _, err) = campaign(&ties, &["--resume"]);
+    assert!(code == 2 && err.contains("exact_ties"), "{err}");
+    let stress = |option: &str| rockproof(&["campaign", "--stress", option, "--out", &path(dir.path(), "stress")]);
+    let (code, _, err) = stress("--exact-ties");
+    assert!(code == 2 && err.contains("cannot be used with"), "{err}");
+    let (code, _, err) = stress(&config);
+    assert!(code == 2 && err.contains("ties.toml: the stress set has pairs of its own: no exact_ties"), "{err}");
+}
+
+#[test]
 fn campaigns_do_not_depend_on_threads_and_go_on_where_they_were_killed() {
     let dir = crate::place::folder();
     let config = path(dir.path(), "campaign.toml");

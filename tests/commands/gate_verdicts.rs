@@ -153,6 +153,10 @@ fn a_gate_with_nothing_to_check_is_refused() {
         let ran = gate(dir.path(), &format!("corpus = {corpus}\n[campaign]\npairs = 16\n"), &[], false);
         assert!(ran.code == 2 && ran.err.contains(why), "{}{}", ran.out, ran.err);
     }
+    // Pairs of families would be examined in place of those asked for.
+    let limit = "[[limit]]\ncause = \"defect\"\ncount = 0\n";
+    let ran = gate(dir.path(), &format!("corpus = []\n[campaign]\npairs = 16\nstress = true\n{limit}"), &[], false);
+    assert!(ran.code == 2 && ran.err.contains("gate.toml line 4: campaign.stress is true"), "{}{}", ran.out, ran.err);
     assert!(!dir.path().join("reports").exists(), "it is said before the work begins");
 }
 

@@ -63,6 +63,21 @@ fn examine_says_what_a_local_origin_mends_and_the_command_that_is_next_does_it()
     assert_eq!(place.read("back.toml"), place.read("same.toml"));
 }
 
+/// At a northing of five thousand kilometres f32 has steps of half a metre: no block of 0.1 m has a shape.
+#[test]
+fn a_block_that_has_no_shape_in_f32_is_not_safe_there() {
+    let place = Place::new();
+    let cube = |from: [&str; 3], to: [&str; 3]| {
+        format!("[[block]]\nbox = {{ min = [{}], max = [{}] }}\n", from.join(", "), to.join(", "))
+    };
+    let floor = cube(["0", "5210880", "0"], ["0.1", "5210880.1", "0.1"]);
+    place.file("small.toml", &format!("{floor}{}", cube(["0", "5210880", "0.1"], ["0.1", "5210880.1", "0.2"])));
+    let (code, out, err) = place.run(&["examine", "small.toml", "--precision", "f32", "--out", "examined"]);
+    assert!(code == 1 && out.starts_with("not safe: "), "{out}{err}");
+    assert!(out.contains("  i set        not looked for: block 0: "), "{out}");
+    assert!(out.ends_with("next: rockproof convert small.toml small-local.toml --origin local\n"), "{out}");
+}
+
 #[test]
 fn an_origin_is_three_numbers_or_local() {
     let place = Place::new();

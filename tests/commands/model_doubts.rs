@@ -93,7 +93,7 @@ fn steps_that_end_deeper_than_penetration_are_not_called_safe() {
     let (code, out) = examined(&place, "fast.toml", &[]);
     let said = "not decided: blocks overlap deeper than penetration after steps, held only by contacts closed before; a block that moves when time begins may be stopped only deeper than penetration\n";
     assert!(code == 1 && out.starts_with(said), "{out}");
-    assert!(out.contains("  i steps ") && out.contains("deeper than penetration after 3 of 5 steps"), "{out}");
+    assert!(out.contains("  i steps ") && out.contains("deeper than penetration after 6 of 8 steps"), "{out}");
     assert!(out.contains("  i speed ") && out.contains("next: rockproof check fast.toml"), "{out}");
     place.file("slow.toml", &scene.replace("-50", "-1"));
     let (code, out) = examined(&place, "slow.toml", &[]);

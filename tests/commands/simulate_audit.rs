@@ -146,7 +146,7 @@ fn a_cube_that_falls_through_the_floor_is_told_first_without_being_asked_for() {
     place.file("sunk.toml", SUNK);
     let (code, out, err) = place.run(&["simulate", "sunk.toml", "--force", "--out", "usual"]);
     assert_eq!(code, 1, "{out}{err}");
-    let told = "audit            blocks pass through one another: 1 pair overlaps unseen by contacts after 4 of 4 steps (worst 0–1, 0.3";
+    let told = "audit            blocks overlap where no contact holds them: 1 pair overlaps unseen by contacts after 4 of 4 steps (worst 0–1, 0.3";
     assert!(out.starts_with(told), "{out}");
     assert!(
         out.contains("\npenetration      0.3") && out.contains(" m at most, of blocks 0 and 1 in step 4\n"),
@@ -359,7 +359,7 @@ fn overlaps_that_no_contact_sees_are_told_with_the_worst_pair_and_step() {
     let args = ["simulate", model.to_str().expect("text"), "--force", "--steps", "2", "--out"];
     let (code, out, err) = place.run(&[&args[..], &["audited"]].concat());
     assert_eq!(code, 1, "{out}{err}");
-    let told = "blocks pass through one another: up to 19 pairs overlap unseen by contacts after 2 of 2 steps (worst 2–3, 1.1694 m";
+    let told = "blocks overlap where no contact holds them: up to 19 pairs overlap unseen by contacts after 2 of 2 steps (worst 2–3, 1.1694 m";
     assert!(out.contains(told), "{out}");
     assert!(step_rows(&place, "audited").iter().all(|row| row["unseen_pairs"] == "19"));
     // Without it the end says what the beginning said, and how to look.

@@ -156,13 +156,13 @@ fn a_report_tells_what_springs_explain() {
 fn an_examination_tells_what_springs_explain() {
     let place = Place::new();
     place.file("stack.toml", &turned_stack());
-    assert_eq!(place.run(&["simulate", "stack.toml", "--audit", "--steps", "5", "--out", "run"]).0, 0);
+    assert_eq!(place.run(&["simulate", "stack.toml", "--audit", "--steps", "8", "--out", "run"]).0, 0);
     let (counts, run) = (explained_pairs(&place, "run"), serde_json::from_str::<Value>(&place.read("run/run.json")));
     let worst = &run.expect("JSON")["totals"]["audit"]["worst_explained"];
     let (code, out, err) = place.run(&["examine", "stack.toml", "--no-tune", "--out", "examined"]);
     let told = explained_in_words(&counts, worst);
     assert!(
-        code == 0 && out.contains(&format!("  i steps      5 made, what the scene fixes held: {told};")),
+        code == 0 && out.contains(&format!("  i steps      8 made, what the scene fixes held: {told};")),
         "{told} {out}{err}"
     );
     let found: Value = serde_json::from_str(&place.read("examined/examine.json")).expect("JSON");
@@ -245,7 +245,7 @@ fn knives_that_pass_through_one_another_are_told_though_a_floor_yields_more() {
     let (code, out, err) =
         place.run(&["simulate", "knives.toml", "--audit", "--force", "--steps", "40", "--out", "run"]);
     assert_eq!(code, 1, "{out}{err}");
-    assert!(out.contains("blocks pass through one another: 1 pair overlaps unseen"), "{out}");
+    assert!(out.contains("blocks overlap where no contact holds them: 1 pair overlaps unseen"), "{out}");
     // At once, since the floor presses on none of them against the other one.
     let unseen: Vec<bool> = place.rows("run/steps.csv").iter().map(|row| row["unseen_pairs"] != "0").collect();
     assert_eq!(unseen, [true; 40]);

@@ -38,6 +38,10 @@ pub struct CampaignConfig {
     /// Whether the pairs are those of the stress set ([`crate::stress`]) instead of the families'.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub stress: bool,
+    /// Whether all pairs are made of bases as their families make them, on coarse grids, instead of some 8 in 100: that is where decisions are exact ties, and
+    /// perturbed bases have none.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub exact_ties: bool,
     /// Block files for the family `real`; empty for the ones that come with the program.
     pub real: Vec<PathBuf>,
     /// How far a face in those files may be from planar, as a share of its block's size; what the file says by default.
@@ -88,6 +92,7 @@ impl Default for CampaignConfig {
             grid: None,
             families: Vec::new(),
             stress: false,
+            exact_ties: false,
             real: Vec::new(),
             planarity: None,
             weld: None,

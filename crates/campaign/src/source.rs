@@ -209,10 +209,11 @@ pub fn of(config: &CampaignConfig) -> Result<FamilySource, SourceError> {
         (true, true) => passing::SETS.into_iter().map(set_source).collect::<Result<_, _>>()?,
         (true, false) => sets.clone(),
     };
+    let perturbed_percent = if config.exact_ties { 0 } else { PairConfig::default().perturbed_percent };
     Ok(FamilySource {
         seed: config.seed,
         passages,
-        pairs: PairConfig { families, sets, sets_per_batch, ..PairConfig::default() },
+        pairs: PairConfig { families, sets, sets_per_batch, perturbed_percent, ..PairConfig::default() },
         steps: (config.steps_every, config.steps),
     })
 }
@@ -315,13 +316,6 @@ impl FamilySource {
             }
         }
         names
-    }
-
-    /// The same source of bases as their families make them, none perturbed: these hold the most exact ties.
-    #[must_use]
-    pub fn unperturbed(mut self) -> FamilySource {
-        self.pairs.perturbed_percent = 0;
-        self
     }
 
     /// The pairs of one batch with all that is known of how they were made.

@@ -23,17 +23,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Blocks of a model that is stepped without being asked to.
 const MAX_STEPPED: usize = 2000;
-/// Steps of such a model.
-const STEPS: u64 = 5;
-/// Steps of the search for a set, for each candidate.
-const TUNE_STEPS: u64 = 8;
+/// Steps of such a model, and of the search for a set, for each candidate: what a step of the search finds wrong with the set given, those of the model find as well.
+const STEPS: u64 = 8;
 /// Seed of the search for a set.
 const SEED: u64 = 1;
 
 /// How much is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Steps to make and audit after settling, whatever the size of the model; `None` for 5 where it has at most 2000 blocks.
+    /// Steps to make and audit after settling, whatever the size of the model; `None` for 8 where it has at most 2000 blocks.
     pub steps: Option<u64>,
     /// Tolerance sets to try, the one given among them; 0 for no search.
     pub candidates: u32,
@@ -232,7 +230,7 @@ impl Work<'_> {
         }
         let most = self.settings.candidates as usize;
         self.seen.begin(Stage::Sets, most);
-        let evaluator = match Evaluator::new(&model.scene, model.precision, SEED, Some(TUNE_STEPS), 0) {
+        let evaluator = match Evaluator::new(&model.scene, model.precision, SEED, Some(STEPS), 0) {
             // Contacts reach further than pairs are made of: no reason to keep back what was found.
             Err(TuneError::NoNeighbours) => {
                 let why = "not looked for: no two blocks are near enough to make pairs of, that moved tell sets apart";
@@ -245,7 +243,13 @@ impl Work<'_> {
             if self.is_stopped() {
                 return Ok(None);
             }
-            search.step()?;
+            match search.step() {
+                // A block that rounding makes degenerate: the model is wrong, as the steps say, not the command.
+                Err(TuneError::Setup(error)) => {
+                    return Ok(Some(Recommendation::Skipped(format!("not looked for: {error}"))));
+                }
+                made => made?,
+            };
             self.seen.advance();
         }
         let file = file_name(&model.file);

@@ -92,13 +92,15 @@ pub struct Overlaps {
     neighbours: Vec<[usize; 2]>,
     /// Of each block whether it may be near another one of these pairs.
     is_near: Vec<bool>,
+    /// The depth that rounded coordinates alone can make (m).
+    rounding: Number,
 }
 
 impl Overlaps {
     /// Those of an audit of these pairs; within `rounding` m rounding decides.
     fn of(audit: Audit, rounding: &Number, neighbours: Vec<[usize; 2]>, is_near: Vec<bool>) -> Overlaps {
         let severities = audit.overlaps.par_iter().map(|overlap| overlap.severity(rounding)).collect();
-        Overlaps { audit, severities, neighbours, is_near }
+        Overlaps { audit, severities, neighbours, is_near, rounding: rounding.clone() }
     }
 
     /// How many overlaps make a run untrustworthy: deeper than `penetration`, or seen by no contact though more than rounding.
@@ -135,6 +137,11 @@ impl Overlaps {
     /// The pairs that overlap and were measured, in ascending order, each with what that means.
     pub fn all(&self) -> impl Iterator<Item = (&Overlap, OverlapSeverity)> {
         self.audit.overlaps.iter().zip(self.severities.iter().copied())
+    }
+
+    /// Whether only the unevenness of faces excuses an overlap: it is deeper than rounded coordinates make it.
+    pub(crate) fn is_excused_as_uneven(&self, overlap: &Overlap) -> bool {
+        overlap.is_within_unevenness && overlap.depth_squared() > self.rounding.times(&self.rounding).to_rational()
     }
 
     /// The deepest pair that makes a run untrustworthy, of equal ones the first.
@@ -185,7 +192,12 @@ impl Overlaps {
             let said = match severity {
                 OverlapSeverity::Lost => format!("{overlap} {}, and will pass through one another", self.why_lost()),
                 OverlapSeverity::Held => format!("{overlap} and {} held by contacts", noun(count, "is", "are")),
-                OverlapSeverity::Rounding => format!("{overlap} by no more than rounding"),
+                OverlapSeverity::Rounding => {
+                    let is_uneven =
+                        self.that(|found| found == severity).any(|overlap| self.is_excused_as_uneven(overlap));
+                    let uneven = if is_uneven { " or the unevenness of faces" } else { "" };
+                    format!("{overlap} by no more than rounding{uneven}")
+                }
             };
             let in_brackets = |worst: &Overlap| {
                 let [a, b] = worst.blocks;

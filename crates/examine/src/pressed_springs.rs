@@ -43,9 +43,14 @@ impl PressedSpring {
     }
 }
 
-/// The springs of pairs that overlap and are held, as the blocks stand, from the exact contacts; joints have their stiffness.
+/// The springs of pairs that overlap and are held, as the blocks stand, from the exact contacts; joints have their stiffness. Pairs whose overlap uneven faces
+/// excuse are among them: their contacts push as any.
 pub(crate) fn at_start(scene: &Scene, set: &ToleranceSet, overlaps: &Overlaps) -> Vec<PressedSpring> {
-    let held = overlaps.all().filter(|(_, severity)| *severity == OverlapSeverity::Held);
+    let held = overlaps.all().filter(|(overlap, severity)| match severity {
+        OverlapSeverity::Lost => false,
+        OverlapSeverity::Held => true,
+        OverlapSeverity::Rounding => overlaps.is_excused_as_uneven(overlap),
+    });
     let of_pair = |[a, b]: [usize; 2]| -> Vec<PressedSpring> {
         let shapes = [a, b].map(|block| &scene.blocks[block].block);
         let prepared = shapes.map(PreparedBlock::new);

@@ -102,7 +102,7 @@ impl PreferredSet {
             ("rules violated", ours.violated.len() as u64, theirs.violated.len() as u64),
             ("overlaps not held", ours.lost_pairs, theirs.lost_pairs),
             ("pairs broken", broken, their_broken),
-            ("pairs through one another", passing, their_passing),
+            ("pairs through one another or not held after steps", passing, their_passing),
             ("steps that cannot be made", not_made, their_not_made),
             ("differing pairs (with moved copies)", ours.differences.avoidable(), theirs.differences.avoidable()),
         ]

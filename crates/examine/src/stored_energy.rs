@@ -1,4 +1,4 @@
-//! What springs of overlaps store at the start, and whether weights and loads explain it: five steps need not show a block that is thrown.
+//! What springs of overlaps store at the start, and whether weights and loads explain it: a few steps need not show a block that is thrown.
 
 use crate::extents::short;
 use crate::overlaps::{Overlaps, pair_in_words};

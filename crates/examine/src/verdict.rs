@@ -183,11 +183,7 @@ fn reasons(found: &Examination, units: bool) -> String {
         said.push(format!("{} broken in {precision}{}", plural(broken, "pair", "pairs"), near.unwrap_or_default()));
     }
     if given.steps.find_fault() {
-        let passing = given.steps.made().map_or(0, |made| made.passages.len() + made.unseen.len());
-        said.push(match passing {
-            0 => "a step cannot be made".to_owned(),
-            count => format!("{} through one another within a few steps", plural(count, "pair passes", "pairs pass")),
-        });
+        said.push(step_fault(&given.steps));
     }
     if let Some(thin) = &given.thin {
         let [penetration, thickness] = [thin.penetration, thin.thickness].map(short);
@@ -217,6 +213,28 @@ fn reasons(found: &Examination, units: bool) -> String {
 /// A count, or that there is none.
 fn none_or(count: usize) -> String {
     if count == 0 { "none".to_owned() } else { grouped(count as u64) }
+}
+
+/// What is wrong with the steps, where something is.
+fn step_fault(steps: &Steps) -> String {
+    let Some(made) = steps.made() else { return String::new() };
+    let passing = made.passages.len();
+    let deepest = made.unseen.values().copied().fold(0.0, f64::max);
+    let unseen = plural(made.unseen.len(), "pair overlaps", "pairs overlap");
+    match (passing, made.unseen.len()) {
+        (0, 0) if made.totals.steps_past_middle > 0 => {
+            "blocks pass the middle of one another within a few steps".to_owned()
+        }
+        (0, 0) => "a step cannot be made".to_owned(),
+        (0, _) => {
+            format!("{unseen} where no contact holds them within a few steps (by at most {} m)", short(deepest))
+        }
+        (_, 0) => format!("{} through one another within a few steps", plural(passing, "pair passes", "pairs pass")),
+        (_, _) => format!(
+            "{} through one another within a few steps, and {unseen} where no contact holds them",
+            plural(passing, "pair passes", "pairs pass")
+        ),
+    }
 }
 
 fn model(found: &Examination, doubt: Option<&str>) -> Line {

@@ -122,6 +122,12 @@ impl GateConfig {
         config.campaign.settle_engines();
         let line_of_key =
             |table, key| line_of_setting(text, Some(table), &SettingPlace { engine: None, key, value: None });
+        if config.campaign.stress {
+            return Err(format!(
+                "{file} line {}: campaign.stress is true; a gate has pairs of families: `rockproof campaign --stress --deny` is for the stress set",
+                line_of_key("campaign", "stress")
+            ));
+        }
         if config.campaign.pairs == 0 && (!config.limit.is_empty() || config.baseline.is_some()) {
             return Err(format!(
                 "{file} line {}: campaign.pairs is 0, where limits and baselines hold whatever the engines do; allowed are 1 and more",

@@ -168,6 +168,7 @@ pub(crate) struct Settings {
     weld: Option<Py<PyAny>>,
     scale: Option<Py<PyAny>>,
     metamorphic_every: Py<PyAny>,
+    exact_ties: bool,
     threads: Py<PyAny>,
     precision: Py<PyAny>,
 }
@@ -215,6 +216,7 @@ pub(crate) fn run_campaign(
         weld,
         scale,
         metamorphic_every,
+        exact_ties: settings.exact_ties,
         steps_every: 0,
         ..CampaignConfig::default()
     };

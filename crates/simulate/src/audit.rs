@@ -215,7 +215,9 @@ impl AuditTotals {
             parts.push(format!("{passages} {} within a step{worst}", noun(passages, "passage", "passages")));
         }
         if self.finds_fault() {
-            parts[0].insert_str(0, "blocks pass through one another: ");
+            let pass = passages > 0 || self.steps_past_middle > 0;
+            let what = if pass { "pass through one another" } else { "overlap where no contact holds them" };
+            parts[0].insert_str(0, &format!("blocks {what}: "));
             if let Some(explained) = self.explained_in_words() {
                 parts.push(format!("not counted: unseen overlaps {explained}"));
             }
@@ -315,7 +317,7 @@ mod tests {
         let passed = StepAudit { passages: passing(vec![pair(6, 7, 0.25)], 3), ..held.clone() };
         totals.add(5, &passed);
         assert!(totals.finds_fault());
-        let expected = "blocks pass through one another: up to 2 pairs overlap unseen by contacts after 2 of 6 steps \
+        let expected = "blocks overlap where no contact holds them: up to 2 pairs overlap unseen by contacts after 2 of 6 steps \
                         (worst 4–5, 2.000e-5 m, step 4); 1 passage within a step (worst 6–7, 0.2500 m, step 5); 3 passages \
                         undecided; deepest overlap (worst 0–1, 0.5000 m, step 1)";
         assert_eq!(totals.sentence(), expected);
@@ -344,7 +346,7 @@ mod tests {
         assert_eq!(totals.verdict(), format!("no unseen overlap but those {told} and no passage in 4 steps"));
         totals.add(4, &StepAudit { unseen: vec![pair(2, 3, 0.5)], ..explained(&[]) });
         let expected = format!(
-            "blocks pass through one another: 1 pair overlaps unseen by contacts after 1 of 5 steps (worst 2–3, 0.5000 m, step 4); not counted: unseen overlaps {}",
+            "blocks overlap where no contact holds them: 1 pair overlaps unseen by contacts after 1 of 5 steps (worst 2–3, 0.5000 m, step 4); not counted: unseen overlaps {}",
             told.replace("3 of 4", "3 of 5")
         );
         assert_eq!((totals.verdict(), totals.finds_fault()), (expected, true));

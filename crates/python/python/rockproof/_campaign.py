@@ -108,6 +108,7 @@ def campaign(
     scale: Exact | None = None,
     precision: str = "f64",
     metamorphic_every: int = 16,
+    exact_ties: bool = False,
     threads: int = 0,
     progress: Callable[[int, int], object] | None = None,
 ) -> Results:
@@ -121,7 +122,8 @@ def campaign(
     Threads ask it at once; Python's lock lets one in at a time.
 
     `families` and `tolerances` are names (`rockproof.families()`; "auto", "shi", "zero", … or TOML files of tolerances), all of them if none is given; `real`
-    are block files for the family "real", read as by `load` with `planarity`, `weld` and `scale`. One pair in `metamorphic_every` is asked again moved, mirrored and renumbered; 0 for none. `threads` is one a
+    are block files for the family "real", read as by `load` with `planarity`, `weld` and `scale`. One pair in `metamorphic_every` is asked again moved, mirrored and renumbered; 0 for none.
+    With `exact_ties` blocks stay where families put them, on coarse grids, where many decisions are exact ties. `threads` is one a
     core if 0; results do not depend on it. `progress` is called now and then with the pairs looked at and the findings made.
 
     The same seed makes the same pairs and findings as `rockproof campaign` with the same settings. Ctrl-C ends it between two pairs.
@@ -137,6 +139,7 @@ def campaign(
         "weld": weld,
         "scale": scale,
         "metamorphic_every": metamorphic_every,
+        "exact_ties": bool(exact_ties),
         "threads": threads,
         "precision": precision,
     }
