@@ -38,7 +38,8 @@ use rockproof_simulate::run::headers;
 use rockproof_simulate::tables::lines;
 use rockproof_simulate::totals::Extreme;
 use rockproof_simulate::{
-    AuditScope, AuditTotals, Ending, Plan, Run, RunRecord, Standstill, StandstillWatch, Stepping, Stretch, VolumeChange,
+    AuditScope, AuditTotals, Ending, FalseEntranceSteps, FalseEntranceTotals, Plan, Run, RunRecord, Standstill,
+    StandstillWatch, Stepping, Stretch, VolumeChange,
 };
 use rockproof_stepper::Real;
 use rockproof_stepper::contact::SpecRules;
@@ -676,6 +677,12 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
         let worst = |pair: Option<PairExtreme>| {
             pair.map(|pair| json!({ "blocks": pair.blocks, "depth_m": pair.depth_m.0, "step": pair.step }))
         };
+        let entrances = |of: &FalseEntranceSteps| {
+            of.first.map(|first| {
+                json!({ "steps": of.steps, "blocks": first.blocks, "into": first.into, "share": first.share.0, "first_step": first.step })
+            })
+        };
+        let FalseEntranceTotals { unmet, covered } = &audit.false_entrances;
         json!({
             "objects": audit.finds_fault(),
             "steps": audit.steps,
@@ -689,6 +696,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
             "steps_deep": audit.steps_deep,
             "steps_past_middle": audit.steps_past_middle,
             "first_past_middle": worst(audit.first_past_middle),
+            "false_entrances": { "unmet": entrances(unmet), "covered": entrances(covered) },
             "passages": audit.passages,
             "worst_passage": worst(audit.worst_passage),
             "undecided_passages": audit.undecided,
@@ -773,6 +781,9 @@ fn write_summary<R: Real>(
     writeln!(out, "unconverged      {}", counted(totals.unconverged, "step", "steps"))?;
     if let Some(sentence) = totals.unsettled_in_words() {
         writeln!(out, "friction         {sentence}")?;
+    }
+    if let Some(sentence) = audit.and_then(|audit| audit.false_entrances.sentence(audit.steps)) {
+        writeln!(out, "false entrances  {sentence}")?;
     }
     let retries: Vec<String> =
         totals.retries_by_reason().iter().map(|(why, count)| format!("{} {why}", grouped(*count))).collect();

@@ -30,6 +30,7 @@ mod engine_processes;
 mod examine_command;
 mod examine_limits;
 mod external_engines;
+mod false_entrances;
 mod gate_command;
 mod gate_contradictions;
 mod gate_evidence;

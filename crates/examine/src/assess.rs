@@ -91,7 +91,8 @@ impl Assessment {
 
     /// Whether nothing is wrong with the model under this set, something was tried, and what is wrong could have been seen.
     pub fn is_safe(&self, precision: Precision) -> bool {
-        let are_right = !self.steps.end_deep() && !self.steps.lose_friction();
+        let steps = &self.steps;
+        let are_right = !steps.end_deep() && !steps.lose_friction() && !steps.have_false_entrances();
         self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.may_see_all() && are_right
     }
 

@@ -107,6 +107,7 @@ fn steps(steps: &Steps) -> Value {
                 "unseen": pairs(&made.unseen),
                 "explained": pairs(&made.explained),
                 "undecided_passages": made.totals.undecided,
+                "steps_with_false_entrances": { "unmet": made.totals.false_entrances.unmet.steps, "covered": made.totals.false_entrances.covered.steps },
             })
         }
     }

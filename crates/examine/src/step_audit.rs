@@ -2,6 +2,7 @@
 
 use crate::deepest::deepest;
 use crate::error::ExamineError;
+use crate::false_entrances::{Places, StepLook, places};
 use crate::past_middle::past_middle;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ContactKey, Number, Precision, Scene, ToleranceSet};
@@ -10,7 +11,7 @@ use rockproof_oracle::passage::{PassageAnswer, StraightMotion, passage, swept_ne
 use rockproof_oracle::penetration::Penetration;
 use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_simulate::run::StepAnnotations;
-use rockproof_simulate::{AuditScope, PairDepth, StepAudit, StepPassages, Stepping};
+use rockproof_simulate::{AuditScope, FalseEntrance, PairDepth, StepAudit, StepPassages, Stepping};
 use rockproof_stepper::dynamics::{ClosedContacts, PressedBlocks, State, StepError, StepReport, yielding_size};
 use rockproof_stepper::{Real, Vector};
 
@@ -100,7 +101,22 @@ impl<R: Real> AuditedRun<R> {
         let deepest = deepest_beyond(screen, &self.set, bounded, &floor);
         let is_deep = deepest.is_some_and(|deepest| deepest.depth_m > self.set.penetration.approximate());
         let past_middle = past_middle(&self.shapes, &self.set, screen, state);
-        StepAudit { unseen, explained, deepest, is_deep, past_middle, passages: None }
+        StepAudit { unseen, explained, deepest, is_deep, past_middle, ..StepAudit::default() }
+    }
+
+    /// The contacts of a step that pushed where nothing met, or through a face that another block covers; `before` is where the blocks were.
+    fn false_entrances(&self, screen: &Screen<'_>, (before, state): (&[Places], &State<R>)) -> Vec<FalseEntrance> {
+        let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
+        let look = StepLook {
+            shapes: &self.shapes,
+            is_fixed: &self.is_fixed,
+            before,
+            after: &places(state),
+            screen,
+            penetration: self.set.penetration.approximate(),
+            rounding: rounding_depth_of_size(&largest, self.precision).approximate(),
+        };
+        look.false_entrances(state)
     }
 
     /// Which pairs passed through one another. Only pairs whose boxes over the whole step meet are asked about.
@@ -128,11 +144,13 @@ impl<R: Real> AuditedRun<R> {
 impl<R: Real> Stepping<R> for AuditedRun<R> {
     fn step(&mut self) -> Result<StepReport, StepError> {
         self.last = None;
+        let before = places(self.stepping.state());
         let report = self.stepping.step()?;
         let state = self.stepping.state();
         // A step whose numbers are not finite is not made.
         if let Some(screen) = screened(&self.shapes, state) {
             let mut found = self.audit_overlaps(&screen, state);
+            found.false_entrances = self.false_entrances(&screen, (&before, state));
             if let Some(before) = &self.before {
                 let after = all_blocks(&screen, self.shapes.len());
                 found.passages = Some(self.passages(before, &after));

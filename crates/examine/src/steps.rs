@@ -69,6 +69,11 @@ impl Steps {
         self.made().is_some_and(|made| made.unsettled > 0)
     }
 
+    /// Whether contacts pushed where nothing met, or through a face that another block covers.
+    pub fn have_false_entrances(&self) -> bool {
+        self.made().is_some_and(|made| !made.totals.false_entrances.is_none())
+    }
+
     /// Whether blocks overlap deeper than `penetration` after some step: held only by contacts that were closed before, and lost once one opens.
     pub fn end_deep(&self) -> bool {
         self.made().is_some_and(|made| made.totals.steps_deep > 0)

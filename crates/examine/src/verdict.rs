@@ -7,7 +7,7 @@ use crate::naming::{Naming, file_name};
 use crate::next_command::{is_too_far_for_f32, next_command};
 use crate::pairs::ExaminedPair;
 use crate::recommend::Recommendation;
-use crate::steps::Steps;
+use crate::step_line::{step_fault, steps};
 use crate::warning_lines::warning_lines;
 use rockproof_model::text::noun;
 use rockproof_model::tolerance_rules::{MeasuredModel, stiffness_slack};
@@ -201,6 +201,9 @@ fn reasons(found: &Examination, units: bool) -> String {
             Totals::SETTLES_FRICTION
         ));
     }
+    if given.steps.have_false_entrances() {
+        said.push("contacts push blocks where nothing holds them (false entrances), so that they move otherwise than rock does".to_owned());
+    }
     said.extend(given.warnings.iter().map(|warning| warning.kind.title().to_owned()));
     said.extend(given.stored.first().map(|worst| worst.sentence(scene)));
     said.extend(given.bare_edges.first().map(|first| first.sentence(scene)));
@@ -213,28 +216,6 @@ fn reasons(found: &Examination, units: bool) -> String {
 /// A count, or that there is none.
 fn none_or(count: usize) -> String {
     if count == 0 { "none".to_owned() } else { grouped(count as u64) }
-}
-
-/// What is wrong with the steps, where something is.
-fn step_fault(steps: &Steps) -> String {
-    let Some(made) = steps.made() else { return String::new() };
-    let passing = made.passages.len();
-    let deepest = made.unseen.values().copied().fold(0.0, f64::max);
-    let unseen = plural(made.unseen.len(), "pair overlaps", "pairs overlap");
-    match (passing, made.unseen.len()) {
-        (0, 0) if made.totals.steps_past_middle > 0 => {
-            "blocks pass the middle of one another within a few steps".to_owned()
-        }
-        (0, 0) => "a step cannot be made".to_owned(),
-        (0, _) => {
-            format!("{unseen} where no contact holds them within a few steps (by at most {} m)", short(deepest))
-        }
-        (_, 0) => format!("{} through one another within a few steps", plural(passing, "pair passes", "pairs pass")),
-        (_, _) => format!(
-            "{} through one another within a few steps, and {unseen} where no contact holds them",
-            plural(passing, "pair passes", "pairs pass")
-        ),
-    }
 }
 
 fn model(found: &Examination, doubt: Option<&str>) -> Line {
@@ -333,38 +314,6 @@ fn tolerances(given: &Assessment) -> Line {
     let exact = noun(contacts, "exact contact", "exact contacts");
     let text = format!("change {} {exact} in {changed} of {pairs}", grouped(contacts));
     line("tolerances", if contacts == 0 { good(given) } else { Severity::Fair }, text)
-}
-
-fn steps(given: &Assessment) -> Line {
-    let made = match &given.steps {
-        Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),
-        Steps::Made(made) => made,
-    };
-    let explained = made.totals.steps_explained;
-    let is_settled = made.unconverged == 0 && made.unsettled == 0;
-    let is_good = given.tries_contacts() && is_settled && explained == 0 && !given.steps.end_deep();
-    let severity = match (given.steps.find_fault(), is_good) {
-        (true, _) => Severity::Bad,
-        (false, true) => Severity::Good,
-        (false, false) => Severity::Fair,
-    };
-    let ended = made.stopped.as_ref().map_or(String::new(), |why| format!(" of {}, then {why}", made.asked));
-    let unconverged = match made.unconverged {
-        0 => String::new(),
-        count => format!(", {count} of them taken though the iteration had not converged"),
-    };
-    let unsettled = match made.unsettled {
-        0 => String::new(),
-        count => format!(", friction not settled in {count} of them"),
-    };
-    let (held, totals) = (made.held.sentence(), made.totals.sentence());
-    // The audit counts them too.
-    let settling = match made.totals.steps.saturating_sub(made.made) {
-        0 => String::new(),
-        count => format!(" after {} of settling", grouped(count)),
-    };
-    let text = format!("{} made{settling}{ended}{unconverged}{unsettled}, {held}: {totals}", made.made);
-    line("steps", severity, text)
 }
 
 fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Line {

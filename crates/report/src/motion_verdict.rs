@@ -150,7 +150,7 @@ fn worst_of(runs: &[MotionRun], of: fn(&AuditTotals) -> (u64, Option<PairExtreme
     })
 }
 
-/// What makes a run doubtful whatever its audit found: rules that its tolerances violate, and friction that did not settle. A line each, of the first such
+/// What makes a run doubtful though no block passed through another: rules that its tolerances violate, friction that did not settle, and false entrances. A line each, of the first such
 /// run.
 pub(super) fn doubt_lines(runs: &[MotionRun]) -> Vec<VerdictLine> {
     let forced = |run: &MotionRun| {
@@ -159,6 +159,10 @@ pub(super) fn doubt_lines(runs: &[MotionRun]) -> Vec<VerdictLine> {
         (!run.violated.is_empty()).then_some(sentence)
     };
     let unsettled = |run: &MotionRun| Some(format!("friction {}", run.totals.unsettled_in_words()?));
+    let entrances = |run: &MotionRun| {
+        let audit = run.totals.audit.as_ref()?;
+        Some(format!("false entrances: {}", audit.false_entrances.sentence(audit.steps)?))
+    };
     let line = |doubt: &dyn Fn(&MotionRun) -> Option<String>| {
         let doubted: Vec<String> =
             runs.iter().filter_map(|run| Some(format!("{}: {}", run.name, doubt(run)?))).collect();
@@ -169,7 +173,7 @@ pub(super) fn doubt_lines(runs: &[MotionRun]) -> Vec<VerdictLine> {
         };
         Some(VerdictLine { severity: Severity::Fair, text: format!("{first}{more}.") })
     };
-    [line(&forced), line(&unsettled)].into_iter().flatten().collect()
+    [line(&forced), line(&unsettled), line(&entrances)].into_iter().flatten().collect()
 }
 
 /// Which of several runs ended before they were asked to, and why the first did; of one alone its line tells.

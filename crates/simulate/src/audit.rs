@@ -1,7 +1,8 @@
 //! What the exact audit of steps found (SPEC section 7), as a run records it. The audit is made outside: this crate knows no
 //! oracle.
 
-use crate::exact_float::ExactFloat;
+use crate::exact_float::{ExactFloat, in_four_digits};
+use crate::false_entrances::{FalseEntrance, FalseEntranceTotals};
 use rockproof_model::simulation::step_in_words;
 use rockproof_model::text::noun;
 use serde::{Deserialize, Serialize};
@@ -52,6 +53,8 @@ pub struct StepAudit {
     /// Pairs that are past the middle of one another, in ascending order, each with the overlap that a contact measures: contacts push them back the way they
     /// came, though the other way out is shorter.
     pub past_middle: Vec<PairDepth>,
+    /// The false entrances through which contacts pressed, in ascending order.
+    pub false_entrances: Vec<FalseEntrance>,
     /// The passages within the step; `None` where these were not looked for.
     pub passages: Option<StepPassages>,
 }
@@ -121,6 +124,9 @@ pub struct AuditTotals {
     /// The first of these pairs, of several the one whose contact measures most.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_past_middle: Option<PairExtreme>,
+    /// The false entrances.
+    #[serde(default, skip_serializing_if = "FalseEntranceTotals::is_none")]
+    pub false_entrances: FalseEntranceTotals,
     /// Passages, over all steps; none where they were not looked for.
     pub passages: Option<u64>,
     /// The passage with the greatest depth that was shown.
@@ -156,6 +162,7 @@ impl AuditTotals {
         self.most_unseen = self.most_unseen.max(audit.unseen.len() as u64);
         self.steps_explained += u64::from(!audit.explained.is_empty());
         self.most_explained = self.most_explained.max(audit.explained.len() as u64);
+        self.false_entrances.add(&audit.false_entrances, step);
         let passages = audit.passages.as_ref();
         if let Some(found) = passages {
             *self.passages.get_or_insert(0) += found.pairs.len() as u64;
@@ -275,11 +282,6 @@ impl AuditTotals {
 fn worst_pair_note(worst: Option<PairExtreme>) -> String {
     let Some(PairExtreme { blocks: [a, b], depth_m: ExactFloat(depth), step }) = worst else { return String::new() };
     format!(" (worst {a}–{b}, {} m, {})", in_four_digits(depth), step_in_words(step))
-}
-
-/// A length in m: four decimals, or four significant digits.
-pub(crate) fn in_four_digits(depth: f64) -> String {
-    if (1e-3..1e4).contains(&depth) { format!("{depth:.4}") } else { format!("{depth:.3e}") }
 }
 
 #[cfg(test)]

@@ -55,6 +55,11 @@ impl Visitor<'_> for ExactFloatVisitor {
     }
 }
 
+/// A length in m: four decimals, or four significant digits.
+pub(crate) fn in_four_digits(depth: f64) -> String {
+    if (1e-3..1e4).contains(&depth) { format!("{depth:.4}") } else { format!("{depth:.3e}") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::ExactFloat;

@@ -7,6 +7,7 @@ pub mod audit;
 pub mod checkpoint;
 pub mod energy_gain;
 pub mod exact_float;
+pub mod false_entrances;
 pub mod frame;
 pub mod identity;
 pub mod plan;
@@ -21,6 +22,7 @@ pub mod worst_intrusions;
 
 pub use audit::{AuditScope, AuditTotals, PairDepth, StepAudit, StepPassages};
 pub use energy_gain::{EnergyBalance, EnergyGain, EnergyInput};
+pub use false_entrances::{FalseEntrance, FalseEntranceSteps, FalseEntranceTotals, FirstFalseEntrance};
 pub use plan::Plan;
 pub use record::RunRecord;
 pub use run::{Ending, Run, RunError, Stepping};

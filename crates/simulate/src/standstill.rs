@@ -1,7 +1,7 @@
 //! Blocks that move more slowly than their coordinates can show: a step that is shorter than half of their last place leaves them where they are, though they have a
 //! speed. In f32 that is 15 µm at 300 m from the origin.
 
-use crate::audit::in_four_digits;
+use crate::exact_float::in_four_digits;
 use crate::frame::dot;
 use rockproof_model::Scene;
 use rockproof_model::simulation::step_in_words;

@@ -12,7 +12,7 @@ use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_simulate::audit::PairExtreme;
 use rockproof_simulate::exact_float::ExactFloat;
 use rockproof_simulate::totals::Extreme;
-use rockproof_simulate::{AuditTotals, Totals};
+use rockproof_simulate::{AuditTotals, FalseEntranceSteps, FalseEntranceTotals, FirstFalseEntrance, Totals};
 use serde::de::DeserializeOwned;
 use serde_json::json;
 
@@ -281,6 +281,15 @@ fn a_run_by_force_or_without_settled_friction_is_doubted() {
     let mut slipping = sound.clone();
     slipping.totals.unsettled = 2;
     slipping.totals.friction_left = Extreme { value: ExactFloat(0.625), step: 4 };
+    let mut thrown = sound.clone();
+    let first = FirstFalseEntrance { blocks: [0, 1], into: None, share: ExactFloat(0.5), step: 3 };
+    let unmet = FalseEntranceSteps { steps: 2, first: Some(first) };
+    let false_entrances = FalseEntranceTotals { unmet, ..FalseEntranceTotals::default() };
+    let audit = AuditTotals { steps: 5, false_entrances, ..AuditTotals::default() };
+    thrown.totals.audit = Some(audit);
+    let told =
+        "one: false entrances: contacts pushed blocks apart that never met in 2 of 5 steps (first 0–1, step 3, 50 %";
+    assert!(has(&of(vec![thrown]), Severity::Fair, told));
     let lines = of(vec![slipping, sound]);
     let told = "one: friction not settled in 2 steps (in step 4 by 62 % of the forces on a block)";
     assert!(has(&lines, Severity::Fair, told), "{lines:?}");

@@ -1,0 +1,212 @@
+//! Contacts that push where nothing met, or through a face that another block covers (docs/step.md, "False entrances"). The entrance of a contact is the plane with the
+//! largest gap where a step begins, of these two blocks alone: what else is there, and where they are when they meet, it does not see.
+
+use crate::pressed_springs::{cross, dot, length, minus, plus};
+use rockproof_model::{Block, ContactKey, VertexId};
+use rockproof_oracle::audit::Screen;
+use rockproof_simulate::FalseEntrance;
+use rockproof_stepper::Real;
+use rockproof_stepper::dynamics::{ContactState, State};
+use std::collections::BTreeMap;
+
+/// False entrances that bear no more than this share of what contacts press a block with are not told: blocks that stand close move it by as little.
+const SHARE: f64 = 0.2;
+
+/// Faces whose normals are nearer to one another than 60° are one way out.
+const SAME_WAY: f64 = 0.5;
+
+/// Where the vertices of a block are (m).
+pub(crate) type Places = Vec<[f64; 3]>;
+
+/// The places of a state.
+pub(crate) fn places<R: Real>(state: &State<R>) -> Vec<Places> {
+    let place = |v: &rockproof_stepper::Vector<R>| v.components().map(R::to_f64);
+    state.blocks.iter().map(|block| block.vertices.iter().map(place).collect()).collect()
+}
+
+/// A vertex that a contact pushes out of another block.
+struct Push {
+    /// The block of the vertex.
+    block: usize,
+    vertex: VertexId,
+    /// The block that it is pushed out of.
+    out_of: usize,
+    /// Of unit length.
+    along: [f64; 3],
+    /// How far it is pushed (m), to first order.
+    depth: f64,
+}
+
+/// A step that was made, for what its contacts did.
+pub(crate) struct StepLook<'s> {
+    /// The blocks as the scene has them.
+    pub(crate) shapes: &'s [Block],
+    /// Whether each never moves.
+    pub(crate) is_fixed: &'s [bool],
+    /// Where they were when the step began.
+    pub(crate) before: &'s [Places],
+    /// Where they are now.
+    pub(crate) after: &'s [Places],
+    /// The same, for what is surely apart.
+    pub(crate) screen: &'s Screen<'s>,
+    /// `penetration` (m).
+    pub(crate) penetration: f64,
+    /// The depth that rounded coordinates alone can make (m).
+    pub(crate) rounding: f64,
+}
+
+impl StepLook<'_> {
+    /// The false entrances through which more than a fifth of what contacts press a block with goes, one for each pair and block behind it, in ascending order.
+    pub(crate) fn false_entrances<R: Real>(&self, state: &State<R>) -> Vec<FalseEntrance> {
+        let pressed = || state.contacts.iter().filter(|c| c.mode.is_closed() && -c.gap.to_f64() > self.rounding);
+        let mut all = vec![0.0; self.shapes.len()];
+        for contact in pressed() {
+            contact.blocks.iter().for_each(|&block| all[block as usize] += normal_force(contact));
+        }
+        let mut neighbours: Option<Vec<Vec<usize>>> = None;
+        let mut found: BTreeMap<([usize; 2], Option<usize>), f64> = BTreeMap::new();
+        for contact in pressed() {
+            let blocks = contact.blocks.map(|block| block as usize);
+            let is_unmet = self.never_met(contact);
+            let into = if is_unmet { None } else { self.covered(contact, &mut neighbours) };
+            if is_unmet || into.is_some() {
+                *found.entry((blocks, into)).or_default() += normal_force(contact);
+            }
+        }
+        let share = |blocks: [usize; 2], force: f64| {
+            let of = |block: usize| if self.is_fixed[block] || all[block] == 0.0 { 0.0 } else { force / all[block] };
+            blocks.map(of).into_iter().fold(0.0, f64::max)
+        };
+        let told = found.into_iter().map(|((blocks, into), force)| FalseEntrance {
+            blocks,
+            into,
+            share: share(blocks, force),
+        });
+        told.filter(|entrance| entrance.share > SHARE).collect()
+    }
+
+    /// Whether a plane along a face of either block parts the blocks of a contact from the beginning of the step to its end, vertices going straight: by more than what
+    /// gaps, to first order in how far a block turns, may be off, or, where the contact pushes along the plane, at all but for rounding.
+    fn never_met<R: Real>(&self, contact: &ContactState<R>) -> bool {
+        let blocks = contact.blocks.map(|block| block as usize);
+        if self.screen.greatest_depth(blocks).is_some_and(|depth| depth > 2.0 * self.rounding) {
+            return false;
+        }
+        let along = contact.normal.components().map(R::to_f64);
+        let turning: f64 = blocks.map(|block| self.turning_error(block)).into_iter().sum();
+        [blocks, [blocks[1], blocks[0]]].into_iter().any(|[own, other]| {
+            let parts = |n: [f64; 3]| {
+                let is_beside = dot(n, along).abs() < SAME_WAY;
+                let least = if is_beside { -self.rounding } else { self.rounding + turning };
+                [self.before, self.after].iter().all(|places| {
+                    let along = |block: usize| places[block].iter().map(move |p| dot(n, *p));
+                    let reach = along(own).fold(f64::NEG_INFINITY, f64::max);
+                    along(other).fold(f64::INFINITY, f64::min) - reach > least
+                })
+            };
+            let faces = 0..self.shapes[own].topology().faces().len();
+            let planes = |face| [self.before, self.after].map(|places| self.plane(own, face, places));
+            faces.flat_map(planes).flatten().any(|(n, _)| parts(n))
+        })
+    }
+
+    /// What a vertex that turns about the middle of its block in the step is off a straight line, t²/2r for a way t at a distance r, at most (m).
+    fn turning_error(&self, block: usize) -> f64 {
+        let middle = |places: &[Places]| {
+            let count = places[block].len() as f64;
+            places[block].iter().copied().fold([0.0; 3], plus).map(|sum| sum / count)
+        };
+        let [from, to] = [self.before, self.after].map(middle);
+        let arms = self.before[block].iter().zip(&self.after[block]).map(|(old, new)| {
+            let (old, new) = (minus(*old, from), minus(*new, to));
+            (length(minus(new, old)), length(old))
+        });
+        let (way, arm) = arms.fold((0.0f64, 0.0f64), |(way, arm), (w, a)| (way.max(w), arm.max(a)));
+        if arm > 0.0 { way * way / (2.0 * arm) } else { 0.0 }
+    }
+
+    /// The block that covers the way on which a contact pushes a vertex out of a block, though a face of that one lets it go and no block is behind there.
+    fn covered<R: Real>(&self, contact: &ContactState<R>, neighbours: &mut Option<Vec<Vec<usize>>>) -> Option<usize> {
+        let [a, b] = contact.blocks.map(|block| block as usize);
+        let (out_of_b, depth) = (contact.normal.components().map(R::to_f64), -contact.gap.to_f64());
+        let out_of_a = out_of_b.map(|x| -x);
+        let (of_a, of_b) = match contact.key() {
+            ContactKey::VertexVertex(v, w) => (Some(v), Some(w)),
+            ContactKey::VertexEdge(v, _) | ContactKey::VertexFace(v, _) => (Some(v), None),
+            ContactKey::EdgeVertex(_, w) | ContactKey::FaceVertex(_, w) => (None, Some(w)),
+            ContactKey::EdgeEdge(..) => (None, None),
+        };
+        let of_a = of_a.map(|vertex| Push { block: a, vertex, out_of: b, along: out_of_b, depth });
+        let of_b = of_b.map(|vertex| Push { block: b, vertex, out_of: a, along: out_of_a, depth });
+        of_a.into_iter().chain(of_b).find_map(|push| self.covers(&push, neighbours))
+    }
+
+    fn covers(&self, push: &Push, neighbours: &mut Option<Vec<Vec<usize>>>) -> Option<usize> {
+        let &Push { block, vertex, out_of, along, depth } = push;
+        if !self.shapes[out_of].is_convex() {
+            return None;
+        }
+        let at = self.after[block][vertex.index()];
+        let mut other_ways = Vec::new();
+        for face in 0..self.shapes[out_of].topology().faces().len() {
+            let (n, below) = self.depth_below((out_of, face), at)?;
+            if below < 0.0 {
+                // The vertex is not in the block.
+                return None;
+            }
+            if below <= self.penetration && dot(n, along) < SAME_WAY {
+                other_ways.push((n, below));
+            }
+        }
+        if other_ways.is_empty() {
+            return None;
+        }
+        let near = &neighbours.get_or_insert_with(|| self.neighbours())[block];
+        // Twice as far: on the surface itself both blocks of a seam are.
+        let behind = |n: [f64; 3], depth: f64| plus(at, n.map(|x| x * 2.0 * depth));
+        let holds = |other: usize, point| other != out_of && self.is_inside(other, point);
+        let cover = near.iter().find(|&&other| holds(other, behind(along, depth)) && !holds(other, at))?;
+        let is_free = |(n, below)| !near.iter().any(|&other| holds(other, behind(n, below)));
+        other_ways.into_iter().any(is_free).then_some(*cover)
+    }
+
+    /// How far a point is below the plane of a face (m), with the face's unit normal, outwards; `None` of a face without area.
+    fn depth_below(&self, (block, face): (usize, usize), point: [f64; 3]) -> Option<([f64; 3], f64)> {
+        let (n, on) = self.plane(block, face, self.after)?;
+        Some((n, dot(n, minus(on, point))))
+    }
+
+    /// Whether a point is inside a convex block, by more than rounding.
+    fn is_inside(&self, block: usize, point: [f64; 3]) -> bool {
+        let faces = 0..self.shapes[block].topology().faces().len();
+        let below = |face| self.depth_below((block, face), point).is_some_and(|(_, depth)| depth > self.rounding);
+        self.shapes[block].is_convex() && faces.map(below).all(|is_below| is_below)
+    }
+
+    /// The unit normal of a face, outwards, and a corner of it.
+    fn plane(&self, block: usize, face: usize, places: &[Places]) -> Option<([f64; 3], [f64; 3])> {
+        let corners = &self.shapes[block].topology().faces()[face];
+        let corner = |vertex: &VertexId| places[block][vertex.index()];
+        let first = corner(corners.first()?);
+        let arms: Vec<[f64; 3]> = corners[1..].iter().map(|vertex| minus(corner(vertex), first)).collect();
+        let area = arms.windows(2).map(|pair| cross(pair[0], pair[1])).fold([0.0; 3], plus);
+        let size = length(area);
+        (size > 0.0).then(|| (area.map(|x| x / size), first))
+    }
+
+    /// The blocks whose boxes meet the box of each.
+    fn neighbours(&self) -> Vec<Vec<usize>> {
+        let mut all = vec![Vec::new(); self.shapes.len()];
+        for [a, b] in self.screen.pairs() {
+            all[a].push(b);
+            all[b].push(a);
+        }
+        all
+    }
+}
+
+/// What a contact presses its blocks apart with (N).
+fn normal_force<R: Real>(contact: &ContactState<R>) -> f64 {
+    let near = |v: &rockproof_stepper::Vector<R>| v.components().map(R::to_f64);
+    dot(near(&contact.force), near(&contact.normal)).abs()
+}

@@ -1,0 +1,117 @@
+//! Contacts that push where nothing met, or through a face that another block covers (docs/step.md, "False entrances"), as a run records them.
+
+use crate::exact_float::ExactFloat;
+use rockproof_model::simulation::step_in_words;
+use rockproof_model::text::noun;
+use serde::{Deserialize, Serialize};
+
+/// A contact that pushes where nothing met, or through a face that another block covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FalseEntrance {
+    /// The blocks of the contact, the lower number first.
+    pub blocks: [usize; 2],
+    /// The block behind the face; none where the two never met within the step.
+    pub into: Option<usize>,
+    /// What such contacts of the pair press with, as a share of what all contacts press one of its blocks with.
+    pub share: f64,
+}
+
+/// The false entrances of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FalseEntranceTotals {
+    /// Where the blocks never met within the step.
+    #[serde(default)]
+    pub unmet: FalseEntranceSteps,
+    /// Where another block covers the face through which a contact pushes.
+    #[serde(default)]
+    pub covered: FalseEntranceSteps,
+}
+
+/// The steps with false entrances of one kind.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FalseEntranceSteps {
+    /// How many steps.
+    pub steps: u64,
+    /// The first of them, of several pairs the one that is pressed with the largest share.
+    pub first: Option<FirstFalseEntrance>,
+}
+
+/// The first false entrance of a run and the step it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FirstFalseEntrance {
+    /// The blocks of the contact, the lower number first.
+    pub blocks: [usize; 2],
+    /// The block behind the face, where one covers it.
+    pub into: Option<usize>,
+    /// As of [`FalseEntrance`].
+    pub share: ExactFloat,
+    /// The step; of settling 0 or below.
+    pub step: i64,
+}
+
+impl FalseEntranceTotals {
+    /// Whether there are none: every contact pushes where blocks met, and through a face that is free.
+    pub fn is_none(&self) -> bool {
+        self.unmet.steps == 0 && self.covered.steps == 0
+    }
+
+    /// Adds those of a step.
+    pub(crate) fn add(&mut self, found: &[FalseEntrance], step: i64) {
+        for (is_covered, kind) in [(false, &mut self.unmet), (true, &mut self.covered)] {
+            let such = found.iter().rev().filter(|entrance| entrance.into.is_some() == is_covered);
+            let worst = such.copied().max_by(|one, two| one.share.total_cmp(&two.share));
+            let Some(FalseEntrance { blocks, into, share }) = worst else { continue };
+            kind.steps += 1;
+            kind.first.get_or_insert(FirstFalseEntrance { blocks, into, share: ExactFloat(share), step });
+        }
+    }
+
+    /// The false entrances among so many steps, each kind with its first and what helps; `None` where there are none.
+    pub fn sentence(&self, all: u64) -> Option<String> {
+        let among = |kind: &FalseEntranceSteps| {
+            let FirstFalseEntrance { blocks: [a, b], into, share, step } = kind.first?;
+            let into = into.map_or(String::new(), |block| format!(" into {block}"));
+            Some(format!(
+                "in {} of {all} {} (first {a}–{b}{into}, {}, {:.0} % of what contacts press a block with)",
+                kind.steps,
+                noun(all, "step", "steps"),
+                step_in_words(step),
+                100.0 * share.0
+            ))
+        };
+        let covered = among(&self.covered).map(|among| {
+            format!(
+                "contacts pushed a block out through a face that another block covers {among}, as at a seam between flush blocks: what slides over it is held or thrown; model as one block what stays together"
+            )
+        });
+        let unmet = among(&self.unmet).map(|among| {
+            format!("contacts pushed blocks apart that never met {among}: take a smaller max_displacement or time_step")
+        });
+        let parts: Vec<String> = covered.into_iter().chain(unmet).collect();
+        (!parts.is_empty()).then(|| parts.join("; "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_is_told_by_its_first_step_and_its_largest_share() {
+        let of = |blocks, into, share| FalseEntrance { blocks, into, share };
+        let mut totals = FalseEntranceTotals::default();
+        totals.add(&[], 1);
+        assert_eq!((totals.is_none(), totals.sentence(1)), (true, None));
+        totals.add(&[of([0, 1], None, 0.25), of([2, 3], None, 0.5), of([4, 5], None, 0.5)], 2);
+        totals.add(&[of([0, 1], Some(7), 0.25), of([0, 1], None, 1.0)], 3);
+        let sentence = totals.sentence(3).expect("a sentence");
+        let [covered, unmet] =
+            ["in 1 of 3 steps (first 0–1 into 7, step 3, 25 % of", "in 2 of 3 steps (first 2–3, step 2, 50 % of"];
+        assert!(sentence.contains(covered) && sentence.contains(unmet), "{sentence}");
+        let text = serde_json::to_string(&totals).expect("JSON");
+        assert_eq!(serde_json::from_str::<FalseEntranceTotals>(&text).ok(), Some(totals));
+    }
+}
