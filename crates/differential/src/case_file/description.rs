@@ -1,0 +1,70 @@
+//! What a case says of the finding that it keeps.
+
+use super::ContactRow;
+use rockproof_model::{Contact, ContactKey};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// What a case is about, as written in the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseDescription {
+    /// An engine's name, `f32` or `f64` for every engine that rounds to it, or `any`.
+    pub engine: String,
+    /// The cause.
+    pub cause: String,
+    /// The change.
+    pub change: String,
+    /// The kind of the contact it is about, or `v-v to v-e` where the kind changed; empty where any will do.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub kind: String,
+    /// The deciding predicate, under the cause `engine` the one nearest to a tie; empty where no trace tells.
+    #[serde(default)]
+    pub predicate: String,
+    /// The features it was asked of.
+    #[serde(default)]
+    pub features: String,
+    /// Its exact relative margin; 0 is a tie.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin: Option<f64>,
+    /// The margin in units of the engine's roundoff.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin_ulps: Option<f64>,
+    /// Where it came from: family, form, tolerance set, seed and index.
+    #[serde(default)]
+    pub origin: String,
+    /// What the engine said when it gave no answer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+    /// How the blocks lie and how the engine says they do, where it says only that: `apart 0.5, said overlapping -0.1`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub states: Option<String>,
+    /// The contacts before the link that is the cause: under tolerance the exact ones without tolerances, under
+    /// representation the exact ones of the exact input, else the exact ones of the rounded input.
+    pub expected: Vec<ContactRow>,
+    /// The contacts after it.
+    pub found: Vec<ContactRow>,
+    /// What an external engine said of the pair exchanged, numbered otherwise, moved or scaled, in the numbering of the pair itself, where it contradicts itself so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub changed: Option<Vec<ContactRow>>,
+}
+
+impl CaseDescription {
+    /// What the engine said of how the blocks lie, as [`ReportedState`](crate::separation_state::ReportedState) is shown.
+    pub fn said_state(&self) -> Option<&str> {
+        self.states.as_deref()?.split_once(", said ").map(|(_, said)| said)
+    }
+
+    /// The contacts of all lists.
+    pub(super) fn rows(&self) -> impl Iterator<Item = &ContactRow> {
+        self.expected.iter().chain(&self.found).chain(self.changed.iter().flatten())
+    }
+
+    /// The contacts that both answers name, and name differently.
+    pub fn differing_contacts(&self) -> BTreeSet<ContactKey> {
+        let contacts = |rows: &[ContactRow]| -> Vec<Contact> { rows.iter().filter_map(ContactRow::contact).collect() };
+        let found = contacts(&self.found);
+        let differs = |right: &Contact| found.iter().any(|one| one.key == right.key && one != right);
+        contacts(&self.expected).into_iter().filter(differs).map(|contact| contact.key).collect()
+    }
+}
