@@ -1,10 +1,10 @@
 //! `replay`: what each engine and the oracle say about a case, side by side, and decision by decision where they part.
 
 use crate::classify::contact_json;
+use crate::engine_decisions::{EngineDecisions, changed_answers, exact_state};
 use crate::exit::{ExitStatus, Outcome, print_note};
 use crate::input::{EngineArgs, FormatArgs};
 use crate::input_file::InputFile;
-use crate::replay_changed::{RoundedQuestion, changed_answers};
 use crate::replay_step;
 use crate::table::table;
 use rockproof_campaign::engines::Engines;
@@ -12,14 +12,13 @@ use rockproof_differential::answer_detail::left_unsaid;
 use rockproof_differential::attribution::examine_pair;
 use rockproof_differential::builtin::BuiltinOracle;
 use rockproof_differential::case_file::{Case, contact_rows};
-use rockproof_differential::collision::separation::Separation;
-use rockproof_differential::engine::{Answer, EngineFailure, Oracle, Trace, catch_panic};
+use rockproof_differential::engine::{Oracle, catch_panic};
 use rockproof_differential::explain::{DivergentDecision, divergent_decisions};
 use rockproof_differential::external::protocol::completed;
 use rockproof_differential::finding::{Cause, Finding, FindingScope};
 use rockproof_differential::indexed_trace::IndexedTrace;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
-use rockproof_model::{Contact, Precision, ToleranceSet};
+use rockproof_model::{Precision, ToleranceSet};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt;
@@ -40,15 +39,6 @@ pub(crate) struct Replay {
     external: EngineArgs,
     #[command(flatten)]
     format: FormatArgs,
-}
-
-/// One answer with the decisions behind it.
-pub(crate) struct EngineDecisions {
-    pub(crate) name: String,
-    pub(crate) contacts: Result<Vec<Contact>, EngineFailure>,
-    pub(crate) trace: Option<Trace>,
-    /// How the blocks lie, where an engine is asked for that.
-    pub(crate) state: Option<String>,
 }
 
 /// What everybody says about a case.
@@ -205,6 +195,7 @@ fn answers(case: &Case, engines: &Engines) -> CaseAnswers {
         contacts: Ok(pair.classify(tolerances).contacts),
         trace: Some(pair.trace(tolerances)),
         state: None,
+        is_exact: true,
     };
     let all: Vec<_> = engines.names().iter().filter_map(|name| engines.find(name)).collect();
     let mut said = vec![exact("ideal", &case.tolerances.ideal()), exact("exact", &case.tolerances)];
@@ -234,8 +225,8 @@ fn answers(case: &Case, engines: &Engines) -> CaseAnswers {
         let rounded = prepared.pair();
         let name = format!("exact {precision}");
         let contacts = Ok(rounded.classify(&tolerances).contacts);
-        let mut here =
-            EngineDecisions { name: name.clone(), contacts, trace: Some(rounded.trace(&tolerances)), state: None };
+        let trace = Some(rounded.trace(&tolerances));
+        let mut here = EngineDecisions { name: name.clone(), contacts, trace, state: None, is_exact: true };
         part(format!("representation in {precision}: exact, {name}"), &said[1], &here, unit(precision), &given);
         let margins = |decisions: &[_]| rounded.margins(&tolerances, decisions);
         let mut others = Vec::new();
@@ -245,25 +236,18 @@ fn answers(case: &Case, engines: &Engines) -> CaseAnswers {
                 Ok(prepared) => (catch_panic(|| prepared.answer(&tolerances)), prepared.trace(&tolerances)),
                 Err(failure) => (Err(failure), None),
             };
-            let (contacts, state) = match answer {
-                Ok(Answer::Contacts(contacts)) => {
-                    (Ok(completed(contacts, here.contacts.as_deref().unwrap_or(&[]))), None)
-                }
-                Ok(Answer::State(said)) => (Ok(Vec::new()), Some(said.to_string())),
-                Err(failure) => (Err(failure), None),
-            };
-            if let (Some(_), None) = (&state, &here.state) {
-                let exact = Separation::of(a, b);
-                here.state = exact.map(|exact| format!("{} {:?} m", exact.state, exact.gap_m()));
-            }
-            let there = EngineDecisions { name: engine.name().to_owned(), contacts, trace, state };
-            part(format!("arithmetic: {name}, {}", there.name), &here, &there, unit(precision), &margins);
+            let right = here.contacts.as_deref().unwrap_or(&[]);
+            let answer = answer.map(|answer| answer.map_contacts(|contacts| completed(contacts, right)));
+            let there = EngineDecisions::of(engine.name().to_owned(), answer, trace);
             let says_state = there.state.is_some();
+            if says_state && here.state.is_none() {
+                here.state = exact_state(&blocks);
+            }
+            part(format!("arithmetic: {name}, {}", there.name), &here, &there, unit(precision), &margins);
             others.push(there);
-            let asked = RoundedQuestion { engine: &**engine, blocks: &blocks, tolerances: &tolerances, says_state };
-            if let Some(again) = changed_answers(case, &asked) {
-                others.extend(again.answers);
-                changed = Some(again.words);
+            if let Some((words, answers)) = changed_answers(case, &**engine, says_state) {
+                others.extend(answers);
+                changed = Some(words);
             }
         }
         said.push(here);
@@ -281,8 +265,7 @@ fn document(
 ) -> Value {
     let about = &case.about;
     let answer = |one: &EngineDecisions| {
-        // Who says only how blocks lie names no contacts; the oracle, whose decisions are known, says both.
-        let contacts = one.contacts.as_deref().ok().filter(|_| one.state.is_none() || one.trace.is_some());
+        let contacts = one.contacts.as_deref().ok().filter(|_| one.state.is_none() || one.is_exact);
         json!({
             "name": one.name,
             "contacts": contacts.map(|contacts| contacts.iter().map(contact_json).collect::<Vec<_>>()),

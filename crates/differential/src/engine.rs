@@ -191,6 +191,15 @@ impl Answer {
             }
         }
     }
+
+    /// The same with other contacts in place of those that it names, if it names any.
+    #[must_use]
+    pub fn map_contacts(self, other: impl FnOnce(Vec<Contact>) -> Vec<Contact>) -> Answer {
+        match self {
+            Answer::Contacts(contacts) => Answer::Contacts(other(contacts)),
+            state @ Answer::State(_) => state,
+        }
+    }
 }
 
 /// A pair of blocks inside an engine.

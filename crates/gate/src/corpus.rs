@@ -4,7 +4,9 @@ use super::{Check, CheckStatus};
 use rockproof_campaign::engines::Engines;
 use rockproof_differential::answer_detail::left_unsaid;
 use rockproof_differential::attribution::{EnginePanel, WantedFindings, findings_wanted};
-use rockproof_differential::case_file::{Case, CaseDescription, CaseError, ChangedAnswers, ContactRow, contact_rows};
+use rockproof_differential::case_file::{
+    Case, CaseDescription, CaseError, ChangedAnswer, ChangedAnswers, ContactRow, contact_rows,
+};
 use rockproof_differential::collision::CollisionQuery;
 use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{Answer, Engine, Shortage, catch_panic};
@@ -218,12 +220,13 @@ impl Contradiction {
     fn of(case: &Case, panel: &EnginePanel, engine: &dyn Engine) -> Option<Contradiction> {
         let about = &case.about;
         AnswerChange::from_name(&about.change).filter(|change| change.is_metamorphic())?;
-        let Some(ChangedAnswers { words, said }) = case.changed_answers(engine, &*panel.oracle) else {
+        let says_state = about.states.is_some();
+        let Some(ChangedAnswers { words, answers }) = case.changed_answers(engine, &*panel.oracle, says_state) else {
             return Some(Contradiction { words: None, failure: None, said: None, found: Vec::new() });
         };
-        let failure = said.iter().find_map(|answer| answer.as_ref().err()).map(ToString::to_string);
-        let said = match &said[..] {
-            [Ok(Answer::Contacts(contacts))] => Some(contact_rows(contacts)),
+        let failure = answers.iter().find_map(|answer| answer.said.as_ref().err()).map(ToString::to_string);
+        let said = match &answers[..] {
+            [ChangedAnswer { said: Ok(Answer::Contacts(contacts)), .. }] => Some(contact_rows(contacts)),
             _ => None,
         };
         let wanted = WantedFindings { cause: &about.cause, change: &about.change, kind: "", predicate: None };

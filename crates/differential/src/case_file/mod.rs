@@ -5,7 +5,7 @@ mod contact_row;
 mod description;
 mod file;
 
-pub use changed::ChangedAnswers;
+pub use changed::{ChangedAnswer, ChangedAnswers};
 pub use contact_row::{ContactRow, contact_rows};
 pub use description::CaseDescription;
 pub use file::CaseError;
@@ -108,9 +108,10 @@ impl Case {
         let is_outside = finding.cause == Cause::Engine;
         let engine =
             panel.engines.iter().find(|e| is_outside && finding.scope == FindingScope::Engine(e.name().into()));
-        let changed = engine.and_then(|engine| self.changed_answers(&**engine, &*panel.oracle));
-        self.about.changed = match changed.as_ref().map(|changed| &changed.said[..]) {
-            Some([Ok(Answer::Contacts(said))]) => Some(contact_rows(said)),
+        let changed =
+            engine.and_then(|engine| self.changed_answers(&**engine, &*panel.oracle, finding.comparison.is_some()));
+        self.about.changed = match changed.as_ref().map(|changed| &changed.answers[..]) {
+            Some([ChangedAnswer { said: Ok(Answer::Contacts(said)), .. }]) => Some(contact_rows(said)),
             _ => None,
         };
     }
