@@ -3,6 +3,7 @@
 
 use crate::engines::client;
 use crate::gates::{Ran, around, gate};
+use crate::place::rockproof_in;
 use std::fs;
 use std::path::Path;
 
@@ -92,4 +93,85 @@ fn a_case_of_an_engine_that_contradicts_itself_asks_about_the_changed_pair() {
     let other = judged(dir, "first");
     let why = "mine contradicts itself otherwise than the case records";
     assert!(other.code == 1 && other.out.contains(why), "{}{}", other.out, other.err);
+}
+
+/// A collision code that says one thing where the first coordinate of A is negative and another elsewhere, so that it contradicts itself once A and B are
+/// exchanged.
+fn by_sign(negative: &str, other: &str) -> String {
+    let answer = |said: &str| format!(r#"s/^{{"id":\([0-9]*\),.*/{{"id":\1,{said}}}/"#);
+    format!("/^[^v]*\"vertices\":\\[\\[-/{{\n{}\nt\n}}\n{}", answer(negative), answer(other))
+}
+
+const APART: &str = r#""state":"apart""#;
+const TOUCHING: &str = r#""state":"touching""#;
+
+/// What a gate says of `corpus/case.toml` with such a code: how that came out, and why.
+fn judged_state(dir: &Path, negative: &str, other: &str) -> (String, String) {
+    let settings = around(&["sed", "-u", &by_sign(negative, other)], "").replace("pairs = 256", "pairs = 0");
+    let settings = settings.replace("corpus = []", "corpus = [\"corpus\"]");
+    let ran = gate(dir, &settings, &["--format", "json"], false);
+    let document: serde_json::Value =
+        serde_json::from_str(&ran.out).unwrap_or_else(|_| panic!("{}{}", ran.out, ran.err));
+    let checks = document["checks"].as_array().expect("checks");
+    let check = checks.iter().find(|check| check["group"] == "corpus").expect("the case");
+    let text = |key: &str| check[key].as_str().expect("a text").to_owned();
+    (text("verdict"), text("found"))
+}
+
+#[test]
+fn what_a_collision_code_says_of_the_pair_itself_has_to_be_right_or_recorded() {
+    let dir = crate::place::folder();
+    let dir = dir.path();
+    let command = toml::Value::from(by_sign(APART, TOUCHING)).to_string();
+    let settings = format!(
+        "pairs = 64\nengines = []\nfamilies = [\"face_stack\", \"edge_cross\"]\ntolerances = [\"auto\"]\nmetamorphic_every = 1\n\
+         steps_every = 0\nshrink_evaluations = 0\n[[external]]\nname = \"mine\"\ncommand = [\"sed\", \"-u\", {command}]\n"
+    );
+    fs::write(dir.join("few.toml"), settings).expect("write");
+    let (code, said, err) = rockproof_in(dir, &["campaign", "few.toml", "--out", "run"]);
+    assert_eq!(code, 0, "{said}{err}");
+    fs::create_dir(dir.join("corpus")).expect("a folder");
+    // How the blocks lie, what is said of them exchanged, and as they stand.
+    let keep = |exact: &str, changed: &str, found: &str| {
+        let stem = format!("pair-engine-swap-{exact}-{changed}-");
+        let paths = fs::read_dir(dir.join("run/cases")).expect("cases").map(|entry| entry.expect("an entry").path());
+        let path = paths.into_iter().find(|path| path.display().to_string().contains(&stem)).expect("a case");
+        let text = fs::read_to_string(path).expect("a case");
+        let line = format!("found_state = \"{found}\"\n");
+        assert!(text.contains(&line), "{text}");
+        fs::write(dir.join("corpus/case.toml"), &text).expect("write");
+        (text.replace(&line, ""), text)
+    };
+    let status = |(negative, other): (&str, &str), wanted: &str, why: &str| {
+        let (status, message) = judged_state(dir, negative, other);
+        assert!(status == wanted && message.contains(why), "{negative}, {other}: {status}, {message}");
+    };
+    let unrecorded = "which the case does not record of the pair as it stands";
+    let earlier = "of an earlier version, does not record what mine said of the pair as it stands";
+
+    // Right of the pair itself.
+    let (without, text) = keep("apart", "touching", "apart");
+    let gap = text.split("states = \"apart ").nth(1).and_then(|rest| rest.split(' ').next()).expect("the gap");
+    let measured = |gap: &str| format!("{APART},\"gap_m\":{gap}");
+    status((APART, TOUCHING), "pass", "as recorded");
+    status((&measured(gap), TOUCHING), "pass", "as recorded");
+    status((&measured("7"), TOUCHING), "FAIL", unrecorded);
+    status((r#""state":"overlapping""#, TOUCHING), "FAIL", unrecorded);
+    status((TOUCHING, TOUCHING), "FAIL", unrecorded);
+    status((APART, r#""state":"overlapping""#), "FAIL", "contradicts itself otherwise than the case records");
+    status((APART, APART), "pass", "the engine agrees");
+    fs::write(dir.join("corpus/case.toml"), &without).expect("write");
+    status((APART, TOUCHING), "pass", "as recorded");
+    status((&measured("7"), TOUCHING), "skip", earlier);
+    status((&measured("7"), r#""state":"overlapping""#), "FAIL", "contradicts itself otherwise than the case records");
+
+    // Wrong of the pair itself, and right of it exchanged.
+    let (without, _) = keep("apart", "apart", "touching");
+    status((APART, TOUCHING), "pass", "as recorded");
+    status((APART, r#""state":"touching","gap_m":0"#), "FAIL", unrecorded);
+    status((APART, APART), "pass", "the engine agrees");
+    // No contacts at all are not what the case records, which is about how blocks lie.
+    status((r#""contacts":[]"#, r#""contacts":[]"#), "FAIL", "neither what is right nor what the case records");
+    fs::write(dir.join("corpus/case.toml"), &without).expect("write");
+    status((APART, TOUCHING), "skip", earlier);
 }

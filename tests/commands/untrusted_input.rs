@@ -46,6 +46,16 @@ fn cases_are_checked_as_scenes_are() {
         ("cause = \"arithmetic\"", &format!("cause = \"{long}\""), vec!["cause is \"xxx", "…"]),
         ("margin = -0.0000000006835666174770334", "margin = nan", vec!["margin is \"NaN\"", "finite"]),
         ("margin_ulps = -0.011468344791801564", "margin_ulps = inf", vec!["margin_ulps is \"inf\"", "finite"]),
+        (
+            "origin = \"",
+            "found_state = \"far\"\norigin = \"",
+            vec!["found_state is \"far\"", "apart, touching and overlapping"],
+        ),
+        (
+            "origin = \"",
+            "found_state = \"apart\"\norigin = \"",
+            vec!["found_state is \"apart\"", "none without states"],
+        ),
         ("feature_a = 0", "feature_a = 99", vec!["f-v 99/0", "the vertices, edges and faces of the two blocks"]),
         ("entrance_b = 0", "entrance_b = 4", vec!["the vertices, edges and faces of the two blocks"]),
     ] {

@@ -26,6 +26,26 @@ pub struct ReportedState {
     pub normal: Option<[f64; 3]>,
 }
 
+impl ReportedState {
+    /// What a text says that is exactly as [`ReportedState`] is shown, all numbers finite; `None` of any other.
+    pub fn from_text(text: &str) -> Option<ReportedState> {
+        let number = |text: &str| text.parse().ok().filter(|number: &f64| number.is_finite());
+        let (rest, normal) = match text.split_once(" along ") {
+            Some((rest, normal)) => {
+                let parts = normal.strip_prefix('(')?.strip_suffix(')')?.split(", ").map(number);
+                (rest, Some(<[f64; 3]>::try_from(parts.collect::<Option<Vec<_>>>()?).ok()?))
+            }
+            None => (text, None),
+        };
+        let (state, gap_m) = match rest.split_once(' ') {
+            Some((state, gap)) => (state, Some(number(gap.strip_suffix(" m")?)?)),
+            None => (rest, None),
+        };
+        let said = ReportedState { state: SeparationState::from_name(state)?, gap_m, normal };
+        (said.to_string() == text).then_some(said)
+    }
+}
+
 /// What an engine said, beside what is so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateComparison {
@@ -57,5 +77,48 @@ impl fmt::Display for ReportedState {
             write!(f, " along ({x:?}, {y:?}, {z:?})")?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ReportedState, SeparationState};
+
+    #[test]
+    fn what_is_shown_is_read_and_nothing_else() {
+        for state in SeparationState::ALL {
+            for gap_m in [None, Some(0.0), Some(-0.0), Some(-1.0 / 3.0), Some(5e-324), Some(1e300)] {
+                for normal in [None, Some([0.0, -1.0, 1e-7])] {
+                    let said = ReportedState { state, gap_m, normal };
+                    assert_eq!(
+                        ReportedState::from_text(&said.to_string()).map(|read| read.to_string()),
+                        Some(said.to_string())
+                    );
+                }
+            }
+        }
+        for text in [
+            "",
+            "near",
+            "Apart",
+            "apart ",
+            " apart",
+            "apart 1 m",
+            "apart 1.0",
+            "apart 1.0 mm",
+            "apart 1.00 m",
+            "apart NaN m",
+            "apart inf m",
+            "apart 1e400 m",
+            "apart along (0.0, 0.0)",
+            "apart along (0.0, 0.0, 1.0, 0.0)",
+            "apart along (0.0,0.0,1.0)",
+            "apart along 0.0, 0.0, 1.0",
+            "apart along (0.0, 0.0, inf)",
+            "apart 1.0 m along (0.0, 0.0, 1.0) ",
+            "apart 1.0 m, said apart",
+        ] {
+            assert_eq!(ReportedState::from_text(text), None, "{text}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 pub mod answers;
 pub mod comparison;
 pub mod config;
+mod contradiction;
 pub mod corpus;
 pub mod junit;
 pub mod known_findings;

@@ -1,6 +1,7 @@
 //! What a case says of the finding that it keeps.
 
 use super::ContactRow;
+use crate::compare::AnswerChange;
 use rockproof_model::{Contact, ContactKey};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -39,6 +40,10 @@ pub struct CaseDescription {
     /// How the blocks lie and how the engine says they do, where it says only that: `apart 0.5, said overlapping -0.1`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub states: Option<String>,
+    /// What such an engine says of the pair as it stands, where `states` is about the same pair changed: one that contradicts itself. Cases of earlier
+    /// versions do not tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub found_state: Option<String>,
     /// The contacts before the link that is the cause: under tolerance the exact ones without tolerances, under
     /// representation the exact ones of the exact input, else the exact ones of the rounded input.
     pub expected: Vec<ContactRow>,
@@ -53,6 +58,11 @@ impl CaseDescription {
     /// What the engine said of how the blocks lie, as [`ReportedState`](crate::separation_state::ReportedState) is shown.
     pub fn said_state(&self) -> Option<&str> {
         self.states.as_deref()?.split_once(", said ").map(|(_, said)| said)
+    }
+
+    /// Whether it is about an engine that says only how blocks lie, and otherwise once the pair is changed.
+    pub fn is_contradiction_of_states(&self) -> bool {
+        self.states.is_some() && AnswerChange::from_name(&self.change).is_some_and(AnswerChange::is_metamorphic)
     }
 
     /// The contacts of all lists.

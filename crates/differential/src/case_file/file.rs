@@ -5,6 +5,7 @@ use crate::compare::AnswerChange;
 use crate::external::protocol::UNNAMED;
 use crate::external::spec::is_name;
 use crate::finding::Cause;
+use crate::separation_state::ReportedState;
 use rockproof_model::decision::{Feature, Predicate, Side};
 use rockproof_model::files::read_text;
 use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
@@ -158,6 +159,21 @@ impl Case {
         }
         if !about.predicate.is_empty() {
             known("predicate", &about.predicate, &Predicate::ALL.map(Predicate::name))?;
+        }
+        if let Some(said) = &about.found_state {
+            let allowed = match ReportedState::from_text(said) {
+                Some(_) if about.is_contradiction_of_states() => None,
+                Some(_) => {
+                    Some("none without states and a change of the pair: swap, renumber, translate, scale, far-block")
+                }
+                None => {
+                    Some("apart, touching and overlapping, each alone or as in \"apart 0.5 m along (1.0, 0.0, 0.0)\"")
+                }
+            };
+            if let Some(allowed) = allowed {
+                let (found, allowed) = (excerpt(said, EXCERPT_LENGTH), allowed.to_owned());
+                return Err(CaseError::Value { file, key: "found_state", found, allowed });
+            }
         }
         for row in about.rows() {
             if row.contact().is_none() {

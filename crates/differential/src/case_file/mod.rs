@@ -14,6 +14,7 @@ use super::attribution::{EnginePanel, WantedFindings, findings_wanted};
 use super::engine::{Answer, catch_panic};
 use super::external::protocol::completed;
 use super::finding::{Cause, Finding, FindingScope};
+use super::separation_state::ReportedState;
 use super::subject::{NamedSet, Subject};
 use rockproof_model::decision::Predicate;
 use rockproof_model::{Block, Contact, Precision, ToleranceSet};
@@ -53,6 +54,7 @@ impl Case {
                 origin,
                 note: None,
                 states: None,
+                found_state: None,
                 expected: Vec::new(),
                 found: Vec::new(),
                 changed: None,
@@ -103,8 +105,9 @@ impl Case {
         self.about.margin_ulps = finding.margin_ulps();
         self.about.note = finding.note.clone();
         self.about.states = finding.comparison.map(|m| m.to_string());
-        let answers = self.answers(finding, panel);
+        let (answers, state) = self.answers(finding, panel);
         [self.about.expected, self.about.found] = answers.map(|contacts| contact_rows(&contacts));
+        self.about.found_state = state.filter(|_| self.about.is_contradiction_of_states()).map(|said| said.to_string());
         let is_outside = finding.cause == Cause::Engine;
         let engine =
             panel.engines.iter().find(|e| is_outside && finding.scope == FindingScope::Engine(e.name().into()));
@@ -116,7 +119,8 @@ impl Case {
         };
     }
 
-    fn answers(&self, finding: &Finding, panel: &EnginePanel) -> [Vec<Contact>; 2] {
+    /// The contacts before the link that is the cause and after it, and what an engine says there that says only how blocks lie.
+    fn answers(&self, finding: &Finding, panel: &EnginePanel) -> ([Vec<Contact>; 2], Option<ReportedState>) {
         let exact = |a: &Block, b: &Block, t: &ToleranceSet| panel.oracle.prepare(a, b).pair().classify(t).contacts;
         let given = || exact(&self.a, &self.b, &self.tolerances);
         let precision = precision_of(&finding.scope, panel);
@@ -124,18 +128,24 @@ impl Case {
             .a
             .rounded(precision)
             .and_then(|a| Some((a, self.b.rounded(precision)?, self.tolerances.rounded(precision).ok()?)));
-        match (finding.cause, rounded) {
+        let contacts = match (finding.cause, rounded) {
             (Cause::Tolerance, _) => [exact(&self.a, &self.b, &self.tolerances.ideal()), given()],
             (_, None) => [given(), Vec::new()],
             (Cause::Representation, Some((a, b, t))) => [given(), exact(&a, &b, &t)],
             (Cause::Arithmetic | Cause::Defect | Cause::Engine, Some((a, b, t))) => {
                 let engine = panel.engines.iter().find(|e| finding.scope == FindingScope::Engine(e.name().into()));
-                let said = engine.and_then(|e| catch_panic(|| e.prepare(&a, &b)?.classify(&t)).ok());
+                let answer = engine.and_then(|e| catch_panic(|| e.prepare(&a, &b)?.answer(&t)).ok());
                 let right = exact(&a, &b, &t);
-                let said = completed(said.unwrap_or_default(), &right);
-                [right, said]
+                let (said, state) = match answer {
+                    Some(Answer::Contacts(contacts)) => (contacts, None),
+                    Some(Answer::State(state)) => (Vec::new(), Some(state)),
+                    None => (Vec::new(), None),
+                };
+                let said = completed(said, &right);
+                return ([right, said], state);
             }
-        }
+        };
+        (contacts, None)
     }
 }
 

@@ -88,6 +88,7 @@ impl Disagreement {
             origin: format!("{} {} under {set}, seed {seed}, index {}", row.family, row.form, row.index),
             note: Some(note(deviation.path, deviation.note.as_deref())),
             states: None,
+            found_state: None,
             expected: contact_rows(&deviation.expected),
             found: contact_rows(deviation.found.as_deref().unwrap_or_default()),
             changed: None,

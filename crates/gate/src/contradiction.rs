@@ -1,0 +1,96 @@
+//! Cases that are about how an engine contradicts itself: it is asked about the changed pair too.
+
+use super::CheckStatus;
+use rockproof_differential::attribution::{EnginePanel, WantedFindings, findings_wanted};
+use rockproof_differential::case_file::{Case, ChangedAnswer, ChangedAnswers, ContactRow, contact_rows};
+use rockproof_differential::compare::AnswerChange;
+use rockproof_differential::engine::{Answer, Engine};
+use rockproof_differential::finding::{Cause, Finding};
+
+/// What the answer to the pair of a case as it stands comes to.
+pub(crate) struct PairVerdict {
+    pub(crate) status: CheckStatus,
+    pub(crate) message: String,
+    /// Whether the case records such an answer, as far as it tells.
+    pub(crate) is_recorded: bool,
+}
+
+/// What an engine says of the pair of a case that is about how it contradicts itself, changed as the case says.
+pub(crate) struct Contradiction {
+    /// What was changed; `None` where the pair cannot be changed so.
+    words: Option<String>,
+    /// Why it gave no answer to the changed pair.
+    failure: Option<String>,
+    /// Its contacts there, where there is one changed pair and it names some.
+    said: Option<Vec<ContactRow>>,
+    /// How it contradicts itself.
+    found: Vec<Finding>,
+}
+
+impl Contradiction {
+    /// Of the engine of a case, and what it says of the pair as it stands; `None` of a case that is about no contradiction.
+    pub(crate) fn of(case: &Case, panel: &EnginePanel, engine: &dyn Engine, answer: &Answer) -> Option<Contradiction> {
+        let about = &case.about;
+        AnswerChange::from_name(&about.change).filter(|change| change.is_metamorphic())?;
+        let says_state = matches!(answer, Answer::State(_));
+        let Some(ChangedAnswers { words, answers }) = case.changed_answers(engine, &*panel.oracle, says_state) else {
+            return Some(Contradiction { words: None, failure: None, said: None, found: Vec::new() });
+        };
+        let failure = answers.iter().find_map(|answer| answer.said.as_ref().err()).map(ToString::to_string);
+        let said = match &answers[..] {
+            [ChangedAnswer { said: Ok(Answer::Contacts(contacts)), .. }] => Some(contact_rows(contacts)),
+            _ => None,
+        };
+        let wanted = WantedFindings { cause: &about.cause, change: &about.change, kind: "", predicate: None };
+        let is_such = |finding: &Finding| {
+            finding.difference.change.name() == about.change && finding.scope.to_string() == about.engine
+        };
+        let found = findings_wanted(&case.subject(), panel, wanted).into_iter().filter(is_such).collect();
+        Some(Contradiction { words: Some(words), failure, said, found })
+    }
+
+    /// What that comes to, beside what the answer to the pair as it stands does.
+    pub(crate) fn judge(self, case: &Case, pair: PairVerdict) -> (CheckStatus, String) {
+        let about = &case.about;
+        let engine = &about.engine;
+        let of_pair = (pair.status, pair.message);
+        let Some(words) = &self.words else {
+            return match of_pair.0 {
+                CheckStatus::Fail => of_pair,
+                _ => (CheckStatus::Skip, format!("the pair cannot be changed as the case says ({})", about.change)),
+            };
+        };
+        if let Some(failure) = self.failure {
+            return (CheckStatus::Fail, format!("{engine} gives no answer to the pair with {words}: {failure}"));
+        }
+        let Some(first) = self.found.first() else { return of_pair };
+        if first.cause == Cause::Engine && first.difference.change.is_never_rounding() {
+            let message = format!(
+                "{engine} contradicts itself, and rounding is no reason: its answer is another one for the pair with {words}"
+            );
+            return (CheckStatus::Fail, message);
+        }
+        if self.found.iter().any(|finding| finding.cause == Cause::Defect) {
+            return (CheckStatus::Fail, "a defect is back".to_owned());
+        }
+        if of_pair.0 == CheckStatus::Fail {
+            return of_pair;
+        }
+        let is_recorded = match (first.comparison, &about.changed) {
+            (Some(comparison), _) => about.said_state() == Some(&comparison.reported.to_string()),
+            (None, Some(changed)) => self.said.as_ref() == Some(changed),
+            // A case of an earlier version, or of a built-in engine, says of what kind the contact is.
+            (None, None) => self.found.iter().any(|f| about.kind.is_empty() || f.difference.kinds() == about.kind),
+        };
+        match (is_recorded && pair.is_recorded, of_pair.0) {
+            (true, CheckStatus::Pass) => (CheckStatus::Pass, "as recorded".to_owned()),
+            (true, _) => of_pair,
+            (false, _) => (
+                CheckStatus::Fail,
+                format!(
+                    "{engine} contradicts itself otherwise than the case records: its answer is another one for the pair with {words}"
+                ),
+            ),
+        }
+    }
+}
