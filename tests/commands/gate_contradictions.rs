@@ -95,13 +95,21 @@ fn a_case_of_an_engine_that_contradicts_itself_asks_about_the_changed_pair() {
     assert!(other.code == 1 && other.out.contains(why), "{}{}", other.out, other.err);
 }
 
-/// A collision code that says one thing where the first coordinate of A is negative and another elsewhere, so that it contradicts itself once A and B are
-/// exchanged.
+/// A code that answers one thing where the first coordinate of A is negative and another elsewhere, so that it contradicts itself once A and B are exchanged. It
+/// does not take the boxes that it is asked about first.
 fn by_sign(negative: &str, other: &str) -> String {
-    let answer = |said: &str| format!(r#"s/^{{"id":\([0-9]*\),.*/{{"id":\1,{said}}}/"#);
-    format!("/^[^v]*\"vertices\":\\[\\[-/{{\n{}\nt\n}}\n{}", answer(negative), answer(other))
+    let answer = |said: &str| match said {
+        ENDS => "Q".to_owned(),
+        said => format!(r#"s/^{{"id":\([0-9]*\),.*/{{"id":\1,{said}}}/"#),
+    };
+    let where_first =
+        |begin: &str, said: &str| format!("/^[^v]*\"vertices\":\\[\\[{begin}/{{\n{}\nt\n}}\n", answer(said));
+    let boxes = where_first("0.0,0.0,0.0\\]", r#""unsupported":"a box""#);
+    format!("{boxes}{}{}", where_first("-", negative), answer(other))
 }
 
+/// The code ends in place of an answer.
+const ENDS: &str = "";
 const APART: &str = r#""state":"apart""#;
 const TOUCHING: &str = r#""state":"touching""#;
 
@@ -118,11 +126,9 @@ fn judged_state(dir: &Path, negative: &str, other: &str) -> (String, String) {
     (text("verdict"), text("found"))
 }
 
-#[test]
-fn what_a_collision_code_says_of_the_pair_itself_has_to_be_right_or_recorded() {
-    let dir = crate::place::folder();
-    let dir = dir.path();
-    let command = toml::Value::from(by_sign(APART, TOUCHING)).to_string();
+/// Makes a campaign with such a code, each pair asked about exchanged as well.
+fn campaign_by_sign(dir: &Path, negative: &str, other: &str) {
+    let command = toml::Value::from(by_sign(negative, other)).to_string();
     let settings = format!(
         "pairs = 64\nengines = []\nfamilies = [\"face_stack\", \"edge_cross\"]\ntolerances = [\"auto\"]\nmetamorphic_every = 1\n\
          steps_every = 0\nshrink_evaluations = 0\n[[external]]\nname = \"mine\"\ncommand = [\"sed\", \"-u\", {command}]\n"
@@ -131,15 +137,29 @@ fn what_a_collision_code_says_of_the_pair_itself_has_to_be_right_or_recorded() {
     let (code, said, err) = rockproof_in(dir, &["campaign", "few.toml", "--out", "run"]);
     assert_eq!(code, 0, "{said}{err}");
     fs::create_dir(dir.join("corpus")).expect("a folder");
+}
+
+/// A case of that campaign whose name begins so, as `corpus/case.toml` of the folder.
+fn kept_by_sign(dir: &Path, begin: &str) -> String {
+    let files = fs::read_dir(dir.join("run/cases")).expect("cases").map(|entry| entry.expect("an entry"));
+    let is_such = |file: &fs::DirEntry| file.file_name().to_string_lossy().starts_with(begin);
+    let file = files.into_iter().find(is_such).unwrap_or_else(|| panic!("no case {begin}"));
+    let text = fs::read_to_string(file.path()).expect("a case");
+    fs::write(dir.join("corpus/case.toml"), &text).expect("write");
+    text
+}
+
+#[test]
+fn what_a_collision_code_says_of_the_pair_itself_has_to_be_right_or_recorded() {
+    let dir = crate::place::folder();
+    let dir = dir.path();
+    campaign_by_sign(dir, APART, TOUCHING);
     // How the blocks lie, what is said of them exchanged, and as they stand.
     let keep = |exact: &str, changed: &str, found: &str| {
         let stem = format!("pair-engine-swap-{exact}-{changed}-");
-        let paths = fs::read_dir(dir.join("run/cases")).expect("cases").map(|entry| entry.expect("an entry").path());
-        let path = paths.into_iter().find(|path| path.display().to_string().contains(&stem)).expect("a case");
-        let text = fs::read_to_string(path).expect("a case");
+        let text = kept_by_sign(dir, &stem);
         let line = format!("found_state = \"{found}\"\n");
         assert!(text.contains(&line), "{text}");
-        fs::write(dir.join("corpus/case.toml"), &text).expect("write");
         (text.replace(&line, ""), text)
     };
     let status = |(negative, other): (&str, &str), wanted: &str, why: &str| {
@@ -174,4 +194,50 @@ fn what_a_collision_code_says_of_the_pair_itself_has_to_be_right_or_recorded() {
     status((r#""contacts":[]"#, r#""contacts":[]"#), "FAIL", "neither what is right nor what the case records");
     fs::write(dir.join("corpus/case.toml"), &without).expect("write");
     status((APART, TOUCHING), "skip", earlier);
+}
+
+/// A campaign makes no finding of an engine that does not take the changed pair, or says of it something else than of the pair itself; nor does the gate hold it
+/// for mended. What is no answer at all is a mistake.
+#[test]
+fn a_changed_pair_that_an_engine_does_not_take_is_no_contradiction() {
+    let not_taken = r#""unsupported":"not today""#;
+    let told = "whether mine contradicts itself is not known: it gives no answer to the pair with A and B exchanged: unsupported: ";
+    let (none, one) = (r#""contacts":[]"#, r#""contacts":[{"kind":"v-v","feature_a":0,"feature_b":0}]"#);
+    for (begin, [negative, other], wrong, (other_sort, why)) in [
+        (
+            "pair-engine-swap-apart-touching-",
+            [APART, TOUCHING],
+            TOUCHING,
+            (none, "it names contacts, not how the blocks lie"),
+        ),
+        ("v-v-engine-swap-", [none, one], &one.replace('0', "1"), (APART, "it says apart, not which contacts")),
+    ] {
+        let dir = crate::place::folder();
+        let dir = dir.path();
+        campaign_by_sign(dir, negative, other);
+        let text = kept_by_sign(dir, begin);
+        // Which of the two the engine said of the pair as it stands.
+        let is_negative = text.contains("found_state = \"apart\"") || text.contains("\nfound = []");
+        let slots = |of_pair, changed| if is_negative { [of_pair, changed] } else { [changed, of_pair] };
+        let [of_pair, changed] = slots(negative, other);
+        for (of_pair, changed, wanted, message) in [
+            (of_pair, changed, "pass", "as recorded".to_owned()),
+            (of_pair, not_taken, "skip", format!("{told}not today")),
+            (of_pair, other_sort, "skip", format!("{told}{why}")),
+            (of_pair, ENDS, "FAIL", "gives no answer to the pair with A and B exchanged: crashed".to_owned()),
+            (wrong, not_taken, "FAIL", "the case".to_owned()),
+        ] {
+            let [negative, other] = slots(of_pair, changed);
+            let (verdict, found) = judged_state(dir, negative, other);
+            assert!(verdict == wanted && found.contains(&message), "{negative}, {other}: {verdict}, {found}");
+        }
+        // A campaign with such an engine has no finding of a contradiction either.
+        let settings = fs::read_to_string(dir.join("few.toml")).expect("settings");
+        let [untaken, command] =
+            [not_taken, other].map(|other| toml::Value::from(by_sign(negative, other)).to_string());
+        fs::write(dir.join("few.toml"), settings.replace(&command, &untaken)).expect("write");
+        let (code, said, err) = rockproof_in(dir, &["campaign", "few.toml", "--out", "untaken"]);
+        let findings = fs::read_to_string(dir.join("untaken/findings.csv")).expect("findings");
+        assert!(code == 0 && findings.contains(",unsupported,") && !findings.contains(",swap,"), "{said}{err}");
+    }
 }

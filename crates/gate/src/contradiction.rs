@@ -4,7 +4,7 @@ use super::CheckStatus;
 use rockproof_differential::attribution::{EnginePanel, WantedFindings, findings_wanted};
 use rockproof_differential::case_file::{Case, ChangedAnswer, ChangedAnswers, ContactRow, contact_rows};
 use rockproof_differential::compare::AnswerChange;
-use rockproof_differential::engine::{Answer, Engine};
+use rockproof_differential::engine::{Answer, Engine, EngineFailure};
 use rockproof_differential::finding::{Cause, Finding};
 
 /// What the answer to the pair of a case as it stands comes to.
@@ -19,8 +19,8 @@ pub(crate) struct PairVerdict {
 pub(crate) struct Contradiction {
     /// What was changed; `None` where the pair cannot be changed so.
     words: Option<String>,
-    /// Why it gave no answer to the changed pair.
-    failure: Option<String>,
+    /// Why it gave no answer to the changed pair that can be held beside the one to the pair as it stands.
+    failure: Option<EngineFailure>,
     /// Its contacts there, where there is one changed pair and it names some.
     said: Option<Vec<ContactRow>>,
     /// How it contradicts itself.
@@ -36,7 +36,8 @@ impl Contradiction {
         let Some(ChangedAnswers { words, answers }) = case.changed_answers(engine, &*panel.oracle, says_state) else {
             return Some(Contradiction { words: None, failure: None, said: None, found: Vec::new() });
         };
-        let failure = answers.iter().find_map(|answer| answer.said.as_ref().err()).map(ToString::to_string);
+        let failures = || answers.iter().filter_map(|answer| failure(&answer.said, says_state));
+        let failure = failures().find(is_mistake).or_else(|| failures().next());
         let said = match &answers[..] {
             [ChangedAnswer { said: Ok(Answer::Contacts(contacts)), .. }] => Some(contact_rows(contacts)),
             _ => None,
@@ -60,10 +61,20 @@ impl Contradiction {
                 _ => (CheckStatus::Skip, format!("the pair cannot be changed as the case says ({})", about.change)),
             };
         };
-        if let Some(failure) = self.failure {
+        if let Some(failure) = self.failure.as_ref().filter(|failure| is_mistake(failure)) {
             return (CheckStatus::Fail, format!("{engine} gives no answer to the pair with {words}: {failure}"));
         }
-        let Some(first) = self.found.first() else { return of_pair };
+        let Some(first) = self.found.first() else {
+            return match self.failure {
+                Some(failure) if of_pair.0 != CheckStatus::Fail => (
+                    CheckStatus::Skip,
+                    format!(
+                        "whether {engine} contradicts itself is not known: it gives no answer to the pair with {words}: {failure}"
+                    ),
+                ),
+                _ => of_pair,
+            };
+        };
         if first.cause == Cause::Engine && first.difference.change.is_never_rounding() {
             let message = format!(
                 "{engine} contradicts itself, and rounding is no reason: its answer is another one for the pair with {words}"
@@ -93,4 +104,22 @@ impl Contradiction {
             ),
         }
     }
+}
+
+/// Why an answer to the changed pair cannot be held beside the one to the pair as it stands, which says only how blocks lie or names contacts.
+fn failure(said: &Result<Answer, EngineFailure>, says_state: bool) -> Option<EngineFailure> {
+    match said {
+        Err(failure) => Some(failure.clone()),
+        Ok(Answer::Contacts(_)) if says_state => {
+            Some(EngineFailure::Unsupported("it names contacts, not how the blocks lie".to_owned()))
+        }
+        Ok(Answer::State(_)) if !says_state => said.clone().and_then(Answer::into_contacts).err(),
+        Ok(_) => None,
+    }
+}
+
+/// Whether giving no answer to the changed pair is a mistake. A campaign has no finding where an engine says that it cannot do that pair; of what it gives
+/// instead of answers the end of a campaign tells.
+fn is_mistake(failure: &EngineFailure) -> bool {
+    failure.change().is_unusable()
 }
