@@ -178,9 +178,10 @@ impl StepLook<'_> {
 
     /// Whether a point is inside a convex block, by more than rounding.
     fn is_inside(&self, block: usize, point: [f64; 3]) -> bool {
-        let faces = 0..self.shapes[block].topology().faces().len();
-        let below = |face| self.depth_below((block, face), point).is_some_and(|(_, depth)| depth > self.rounding);
-        self.shapes[block].is_convex() && faces.map(below).all(|is_below| is_below)
+        let mut faces = 0..self.shapes[block].topology().faces().len();
+        let below =
+            |face: usize| self.depth_below((block, face), point).is_some_and(|(_, depth)| depth > self.rounding);
+        self.shapes[block].is_convex() && faces.all(below)
     }
 
     /// The unit normal of a face, outwards, and a corner of it.
