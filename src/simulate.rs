@@ -679,7 +679,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
         };
         let entrances = |of: &FalseEntranceSteps| {
             of.first.map(|first| {
-                json!({ "steps": of.steps, "blocks": first.blocks, "into": first.into, "share": first.share.0, "first_step": first.step })
+                json!({ "steps": of.steps, "blocks": first.blocks, "into": first.into, "share": first.share.0, "first_step": first.step, "most_share": of.most.0 })
             })
         };
         let FalseEntranceTotals { unmet, covered } = &audit.false_entrances;

@@ -203,7 +203,7 @@ const AT_TIES: [&str; 18] = [
 /// What an engine that answers some ten questions a second can be asked in minutes.
 #[test]
 #[ignore = "seconds of two cores; .ci/run runs it"]
-fn a_small_campaign_of_exact_ties_finds_every_mistake_at_ties() {
+fn ties_of_a_small_campaign_find_every_mistake_there_at_full_size() {
     const FEW: u64 = 4_096;
     let at_ties = |source: &FamilySource| {
         let mut list = sought();

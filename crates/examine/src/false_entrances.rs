@@ -162,11 +162,12 @@ impl StepLook<'_> {
             return None;
         }
         let near = &neighbours.get_or_insert_with(|| self.neighbours())[block];
-        // Twice as far: on the surface itself both blocks of a seam are.
-        let behind = |n: [f64; 3], depth: f64| plus(at, n.map(|x| x * 2.0 * depth));
+        let beyond = |n: [f64; 3], way: f64| plus(at, n.map(|x| x * way));
         let holds = |other: usize, point| other != out_of && self.is_inside(other, point);
-        let cover = near.iter().find(|&&other| holds(other, behind(along, depth)) && !holds(other, at))?;
-        let is_free = |(n, below)| !near.iter().any(|&other| holds(other, behind(n, below)));
+        // Twice as far: on the surface itself both blocks of a seam are.
+        let cover = near.iter().find(|&&other| holds(other, beyond(along, 2.0 * depth)) && !holds(other, at))?;
+        // Beyond a face that lets it go a block is no nearer than the contact pushes: where corners of a bond meet, each way leads into some block.
+        let is_free = |(n, below)| !near.iter().any(|&other| holds(other, beyond(n, below + depth)));
         other_ways.into_iter().any(is_free).then_some(*cover)
     }
 

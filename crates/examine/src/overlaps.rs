@@ -1,5 +1,7 @@
 //! Overlaps of a model, for every command that begins with one: the exact audit (SPEC section 7), in words.
 
+// Longer than 400 lines: what overlaps mean and the sentences that say so, with the tests of both.
+
 use crate::deepest::deepest;
 use crate::near_others::near_others;
 use crate::progress::{Stage, WorkProgress};

@@ -69,9 +69,11 @@ impl Steps {
         self.made().is_some_and(|made| made.unsettled > 0)
     }
 
-    /// Whether contacts pushed where nothing met, or through a face that another block covers.
+    /// Whether false entrances decide how blocks move ([`FalseEntranceTotals::decide`]).
+    ///
+    /// [`FalseEntranceTotals::decide`]: rockproof_simulate::FalseEntranceTotals::decide
     pub fn have_false_entrances(&self) -> bool {
-        self.made().is_some_and(|made| !made.totals.false_entrances.is_none())
+        self.made().is_some_and(|made| made.totals.false_entrances.decide())
     }
 
     /// Whether blocks overlap deeper than `penetration` after some step: held only by contacts that were closed before, and lost once one opens.

@@ -16,6 +16,9 @@ pub struct FalseEntrance {
     pub share: f64,
 }
 
+/// A larger share than this decides how a block moves.
+const MOST: f64 = 0.5;
+
 /// The false entrances of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -36,6 +39,8 @@ pub struct FalseEntranceSteps {
     pub steps: u64,
     /// The first of them, of several pairs the one that is pressed with the largest share.
     pub first: Option<FirstFalseEntrance>,
+    /// The largest share in any of them.
+    pub most: ExactFloat,
 }
 
 /// The first false entrance of a run and the step it belongs to.
@@ -58,6 +63,12 @@ impl FalseEntranceTotals {
         self.unmet.steps == 0 && self.covered.steps == 0
     }
 
+    /// Whether in some step most of what contacts press a block with goes through false entrances: what becomes of it is then not what would become of rock. Where blocks
+    /// of cut rock lie at rest, corners at seams bear up to some third.
+    pub fn decide(&self) -> bool {
+        [&self.unmet, &self.covered].into_iter().any(|kind| kind.most.0 > MOST)
+    }
+
     /// Adds those of a step.
     pub(crate) fn add(&mut self, found: &[FalseEntrance], step: i64) {
         for (is_covered, kind) in [(false, &mut self.unmet), (true, &mut self.covered)] {
@@ -65,6 +76,7 @@ impl FalseEntranceTotals {
             let worst = such.copied().max_by(|one, two| one.share.total_cmp(&two.share));
             let Some(FalseEntrance { blocks, into, share }) = worst else { continue };
             kind.steps += 1;
+            kind.most = ExactFloat(kind.most.0.max(share));
             kind.first.get_or_insert(FirstFalseEntrance { blocks, into, share: ExactFloat(share), step });
         }
     }
@@ -75,11 +87,12 @@ impl FalseEntranceTotals {
             let FirstFalseEntrance { blocks: [a, b], into, share, step } = kind.first?;
             let into = into.map_or(String::new(), |block| format!(" into {block}"));
             Some(format!(
-                "in {} of {all} {} (first {a}–{b}{into}, {}, {:.0} % of what contacts press a block with)",
+                "in {} of {all} {} (first {a}–{b}{into}, {}, with {:.0} % of what contacts press a block with, at most {:.0} %)",
                 kind.steps,
                 noun(all, "step", "steps"),
                 step_in_words(step),
-                100.0 * share.0
+                100.0 * share.0,
+                100.0 * kind.most.0
             ))
         };
         let covered = among(&self.covered).map(|among| {
@@ -108,9 +121,14 @@ mod tests {
         totals.add(&[of([0, 1], None, 0.25), of([2, 3], None, 0.5), of([4, 5], None, 0.5)], 2);
         totals.add(&[of([0, 1], Some(7), 0.25), of([0, 1], None, 1.0)], 3);
         let sentence = totals.sentence(3).expect("a sentence");
-        let [covered, unmet] =
-            ["in 1 of 3 steps (first 0–1 into 7, step 3, 25 % of", "in 2 of 3 steps (first 2–3, step 2, 50 % of"];
+        let [covered, unmet] = [
+            "in 1 of 3 steps (first 0–1 into 7, step 3, with 25 % of what contacts press a block with, at most 25 %)",
+            "in 2 of 3 steps (first 2–3, step 2, with 50 % of what contacts press a block with, at most 100 %)",
+        ];
         assert!(sentence.contains(covered) && sentence.contains(unmet), "{sentence}");
+        assert!(totals.decide());
+        let half = FalseEntranceSteps { most: ExactFloat(0.5), ..totals.unmet.clone() };
+        assert!(!FalseEntranceTotals { unmet: half, ..totals.clone() }.decide(), "half is not most");
         let text = serde_json::to_string(&totals).expect("JSON");
         assert_eq!(serde_json::from_str::<FalseEntranceTotals>(&text).ok(), Some(totals));
     }
