@@ -65,9 +65,11 @@ impl StepLook<'_> {
         }
         let mut neighbours: Option<Vec<Vec<usize>>> = None;
         let mut found: BTreeMap<([usize; 2], Option<usize>), f64> = BTreeMap::new();
+        let mut may_be_apart: BTreeMap<[usize; 2], bool> = BTreeMap::new();
         for contact in pressed() {
             let blocks = contact.blocks.map(|block| block as usize);
-            let is_unmet = self.never_met(contact);
+            let is_deep = || self.screen.greatest_depth(blocks).is_some_and(|depth| depth > 2.0 * self.rounding);
+            let is_unmet = *may_be_apart.entry(blocks).or_insert_with(|| !is_deep()) && self.never_met(contact);
             let into = if is_unmet { None } else { self.covered(contact, &mut neighbours) };
             if is_unmet || into.is_some() {
                 *found.entry((blocks, into)).or_default() += normal_force(contact);
@@ -89,9 +91,6 @@ impl StepLook<'_> {
     /// gaps, to first order in how far a block turns, may be off, or, where the contact pushes along the plane, at all but for rounding.
     fn never_met<R: Real>(&self, contact: &ContactState<R>) -> bool {
         let blocks = contact.blocks.map(|block| block as usize);
-        if self.screen.greatest_depth(blocks).is_some_and(|depth| depth > 2.0 * self.rounding) {
-            return false;
-        }
         let along = contact.normal.components().map(R::to_f64);
         let turning: f64 = blocks.map(|block| self.turning_error(block)).into_iter().sum();
         [blocks, [blocks[1], blocks[0]]].into_iter().any(|[own, other]| {

@@ -15,6 +15,7 @@ use rockproof_stepper::dynamics::{Solve, State, StepError, StepReport};
 pub struct IntrusionRecorder<R> {
     stepping: Box<dyn Stepping<R>>,
     shapes: Vec<Block>,
+    is_fixed: Vec<bool>,
     set: ToleranceSet,
     precision: Precision,
     scope: AuditScope,
@@ -40,6 +41,7 @@ impl<R: Solve> IntrusionRecorder<R> {
         IntrusionRecorder {
             stepping,
             shapes,
+            is_fixed: scene.fixed(),
             set: set.clone(),
             precision,
             scope,
@@ -69,7 +71,7 @@ impl<R: Solve> IntrusionRecorder<R> {
     /// Whether no contact saw the overlap of a pair before the step either.
     fn was_unseen(&self, before: &State<R>, pair: PairDepth) -> bool {
         let about = (&self.set, self.precision, self.scope);
-        let asked = || is_unseen(&self.shapes, about, before, pair.blocks);
+        let asked = || is_unseen((&self.shapes, &self.is_fixed), about, before, pair.blocks);
         self.unseen.as_ref().map_or_else(asked, |unseen| unseen.iter().any(|one| one.blocks == pair.blocks))
     }
 }

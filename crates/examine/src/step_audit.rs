@@ -53,8 +53,8 @@ impl<R: Real> AuditedRun<R> {
         let shapes: Vec<Block> = scene.blocks.iter().map(|block| block.block.clone()).collect();
         let screen = screened(&shapes, stepping.state()).ok_or(ExamineError::NotFinite)?;
         let before = (scope == AuditScope::OverlapsAndPassages).then(|| all_blocks(&screen, shapes.len()));
-        let is_fixed = scene.blocks.iter().map(|block| block.body.is_fixed()).collect();
-        Ok(AuditedRun { stepping, shapes, set: set.clone(), precision, is_fixed, before, last: None })
+        let (set, is_fixed) = (set.clone(), scene.fixed());
+        Ok(AuditedRun { stepping, shapes, set, precision, is_fixed, before, last: None })
     }
 
     /// Whether a contact that a step left closed sees an overlap whatever the next classification says.
@@ -95,7 +95,7 @@ impl<R: Real> AuditedRun<R> {
         let exactly = |&blocks: &[usize; 2]| unseen(screen, (set, see), blocks, (closed.between(blocks), &rounding));
         // Each takes long enough to be worth another thread.
         let unseen: Vec<UnseenOverlap> = open.par_iter().filter_map(exactly).collect();
-        let (unseen, explained) = beyond_yielding(unseen, state);
+        let (unseen, explained) = beyond_yielding(unseen, state, &self.is_fixed);
         let floor = rounding_depth_of_size(&largest, Precision::F64);
         let bounded = candidates.into_iter().map(|candidate| candidate.overlap).collect();
         let deepest = deepest_beyond(screen, &self.set, bounded, &floor);
@@ -176,7 +176,7 @@ impl<R: Real> Stepping<R> for AuditedRun<R> {
 
 /// Whether a pair of blocks overlaps in a state by more than rounding where no contact sees it; yes where a number is not finite.
 pub(crate) fn is_unseen<R: Real>(
-    shapes: &[Block],
+    (shapes, is_fixed): (&[Block], &[bool]),
     (set, precision, scope): (&ToleranceSet, Precision, AuditScope),
     state: &State<R>,
     blocks: [usize; 2],
@@ -186,7 +186,7 @@ pub(crate) fn is_unseen<R: Real>(
     let rounding = rounding_depth_of_size(&largest, precision);
     let closed_see = scope == AuditScope::Overlaps;
     let found = unseen(&screen, (set, closed_see), blocks, (ClosedContacts::of(state).between(blocks), &rounding));
-    !beyond_yielding(found.into_iter().collect(), state).0.is_empty()
+    !beyond_yielding(found.into_iter().collect(), state, is_fixed).0.is_empty()
 }
 
 /// An overlap by more than rounding where no contact sees it.
@@ -198,11 +198,15 @@ struct UnseenOverlap {
 }
 
 /// Of unseen overlaps those that are more than springs of other contacts explain, and those that these explain.
-fn beyond_yielding<R: Real>(unseen: Vec<UnseenOverlap>, state: &State<R>) -> (Vec<PairDepth>, Vec<PairDepth>) {
+fn beyond_yielding<R: Real>(
+    unseen: Vec<UnseenOverlap>,
+    state: &State<R>,
+    is_fixed: &[bool],
+) -> (Vec<PairDepth>, Vec<PairDepth>) {
     if unseen.is_empty() {
         return (Vec::new(), Vec::new());
     }
-    let pressed = PressedBlocks::of(state);
+    let pressed = PressedBlocks::of(state, is_fixed);
     let (mut beyond, mut explained) = (Vec::new(), Vec::new());
     for found in unseen {
         let pair = pair_depth(found.blocks, &found.penetration);

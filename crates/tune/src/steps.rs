@@ -147,7 +147,7 @@ pub(super) fn measure_steps<R: Solve>(
 ) -> Result<StepMeasures, TuneError> {
     let mut dynamics = Dynamics::<R>::new(part, set)?;
     let mut found = StepMeasures::default();
-    let penetration = set.penetration.approximate();
+    let (penetration, is_fixed) = (set.penetration.approximate(), part.fixed());
     while found.steps < steps && found.stopped.is_none() {
         match dynamics.step() {
             Ok(report) => {
@@ -156,7 +156,7 @@ pub(super) fn measure_steps<R: Solve>(
                 let (now, is_deep) = initial.overlaps(&depths, penetration);
                 found.overlaps = Overlaps { deepest: now.deepest, sunk: now.sunk.max(found.overlaps.sunk) };
                 found.deep += u64::from(is_deep);
-                let unseen = unseen_depths(&blocks, dynamics.state(), &depths, (set, precision));
+                let unseen = unseen_depths((&blocks, &is_fixed), dynamics.state(), &depths, (set, precision));
                 found.unseen.add(&unseen.beyond);
                 found.explained.add(&unseen.explained);
                 found.settled += u64::from(report.step <= 0);

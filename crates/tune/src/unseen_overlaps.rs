@@ -40,7 +40,7 @@ pub(super) struct UnseenDepths {
 /// Those of the pairs of `overlaps`, each with its depth, of which no contact tells after a step; contacts that the step left closed are kept, as by the step
 /// that follows.
 pub(super) fn unseen_depths<R: Solve>(
-    blocks: &[Block],
+    (blocks, is_fixed): (&[Block], &[bool]),
     state: &State<R>,
     overlaps: &[([usize; 2], f64)],
     (set, precision): (&ToleranceSet, Precision),
@@ -66,7 +66,7 @@ pub(super) fn unseen_depths<R: Solve>(
         let overlap =
             Auditor::new(&both, set).unseen_with_kept([0, 1], &kept).filter(|found| found.is_unseen(&rounding))?;
         let depth = overlap.penetration.depth_m().unwrap_or(f64::INFINITY);
-        let pressed = pressed.get_or_init(|| PressedBlocks::of(state));
+        let pressed = pressed.get_or_init(|| PressedBlocks::of(state, is_fixed));
         let size = yielding_size(pair.map(|k| &blocks[k]), set.penetration.approximate());
         let yields = size.is_some_and(|size| pressed.explain(pair, depth, overlap.penetration.way_out(), size));
         Some((depth, yields))
