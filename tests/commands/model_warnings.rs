@@ -357,3 +357,17 @@ fn turned_blocks_whose_boxes_alone_are_near_touch_nothing() {
     let document: serde_json::Value = serde_json::from_str(&out).expect("a document");
     assert_eq!(document["touch_nothing"], serde_json::json!([]));
 }
+
+/// The set that the search recommends holds the overlap, whose springs then throw the block: the line on the set says so.
+#[test]
+fn why_a_recommended_set_is_not_safe_is_told() {
+    let place = Place::new();
+    let scene = "[[block]]\nfixed = true\nbox = { min = [0, 0, 0], max = [3, 3, 1] }\n[[block]]\nbox = { min = [1, 1, 0.9], max = [2, 2, 2] }\n";
+    place.file("over.toml", scene);
+    let (code, out, err) = place.run(&["examine", "over.toml", "--out", "over"]);
+    assert!(
+        code == 1 && out.starts_with("not safe: 1 pair of blocks overlaps so that contacts cannot hold them"),
+        "{out}{err}"
+    );
+    assert!(out.contains(", and not decided (springs of blocks 0–1 store "), "{out}");
+}

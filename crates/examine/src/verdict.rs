@@ -185,6 +185,16 @@ fn reasons(found: &Examination, units: bool) -> String {
     if given.steps.find_fault() {
         said.push(step_fault(&given.steps));
     }
+    said.extend(doubts(given, scene));
+    if said.is_empty() && !given.tries_contacts() {
+        said.push(untouched(given, scene));
+    }
+    said.join("; ")
+}
+
+/// What keeps a model from being safe though nothing that is counted is wrong, or keeps it from being seen.
+fn doubts(given: &Assessment, scene: &Scene) -> Vec<String> {
+    let mut said: Vec<String> = Vec::new();
     if let Some(thin) = &given.thin {
         let [penetration, thickness] = [thin.penetration, thin.thickness].map(short);
         said.push(format!(
@@ -207,10 +217,7 @@ fn reasons(found: &Examination, units: bool) -> String {
     said.extend(given.warnings.iter().map(|warning| warning.kind.title().to_owned()));
     said.extend(given.stored.first().map(|worst| worst.sentence(scene)));
     said.extend(given.bare_edges.first().map(|first| first.sentence(scene)));
-    if said.is_empty() && !given.tries_contacts() {
-        said.push(untouched(given, scene));
-    }
-    said.join("; ")
+    said
 }
 
 /// A count, or that there is none.
@@ -327,7 +334,13 @@ fn recommended(found: &Examination, precision: Precision, naming: &Naming) -> Li
         Recommendation::Other(other) => other,
     };
     let is_safe = other.assessed.is_safe(precision);
-    let (file, safe) = (naming.place_of(SET, "the one recommended"), if is_safe { "safe" } else { "not safe" });
+    let file = naming.place_of(SET, "the one recommended");
+    // With nothing wrong that is counted, it is not decided, and the figures do not say why.
+    let safe = match doubts(&other.assessed, &found.model.scene).first() {
+        _ if is_safe => "safe".to_owned(),
+        Some(doubt) if other.assessed.fault_counts(precision) == [0; 5] => format!("{NOT_DECIDED} ({doubt})"),
+        _ => "not safe".to_owned(),
+    };
     let (origin, candidates, figures) = (other.origin, other.candidates, other.figures(&found.given, precision));
     let best = best_of(candidates, other.refused);
     let text = format!("{file} ({origin}) is the best of {best}, and {safe}: {}", figures.join(", "));
