@@ -5,7 +5,7 @@ use crate::input::{ReadArgs, model_help, precision};
 use crate::input_file::InputFile;
 use crate::output_file::OverwriteArgs;
 use anyhow::Context;
-use rockproof_examine::refuse_too_large;
+use rockproof_examine::{refuse_too_large, short};
 use rockproof_model::block::Point;
 use rockproof_model::scene::{FormatError, SceneFormat, losses, write};
 use rockproof_model::{Block, BlockOptions, Number, Precision, Scene, Vec3};
@@ -111,16 +111,28 @@ impl Convert {
         Ok(())
     }
 
-    /// Rounds every coordinate; what is no block then is an error.
+    /// Rounds every coordinate, and says how far that moves vertices; what is no block then is an error.
     fn round(&self, scene: &mut Scene, precision: Precision) -> anyhow::Result<()> {
+        let (mut vertices, mut moved, mut furthest) = (0_u64, 0_u64, 0.0_f64);
         for (number, block) in scene.blocks.iter_mut().enumerate() {
             let place = || {
                 format!("{}: block {number} \"{}\", rounded to {precision}", self.input.path().display(), block.name)
             };
             let rounded = block.block.rounded(precision).with_context(|| format!("{}: overflows", place()))?;
+            for (from, to) in block.block.vertices().iter().zip(rounded.vertices()) {
+                let way = [(&from.x, &to.x), (&from.y, &to.y), (&from.z, &to.z)]
+                    .map(|(from, to)| to.plus(&from.negated()).approximate().powi(2));
+                vertices += 1;
+                moved += u64::from(from != to);
+                furthest = furthest.max(way.iter().sum::<f64>().sqrt());
+            }
             let options = BlockOptions { planarity: block.planarity.clone() };
             let faces = rounded.topology().faces().to_vec();
             block.block = Block::new(rounded.vertices().to_vec(), faces, &options).with_context(place)?;
+        }
+        if moved > 0 {
+            let furthest = short(furthest);
+            print_note(&format!("{precision} moved {moved} of {vertices} vertices, by at most {furthest} m"));
         }
         Ok(())
     }

@@ -79,6 +79,23 @@ fn a_block_that_has_no_shape_in_f32_is_not_safe_there() {
 }
 
 #[test]
+fn how_far_rounding_moves_vertices_is_said() {
+    let place = Place::new();
+    place.file("site.toml", SITE);
+    let said = |file: &str, precision: &str| {
+        let (code, _, err) = place.run(&["convert", file, "to.toml", "--precision", precision, "--overwrite"]);
+        assert_eq!(code, 0, "{err}");
+        err
+    };
+    let err = said("site.toml", "f64");
+    assert!(!err.contains("moved"), "{err}");
+    place.file("thirds.toml", "[[block]]\nbox = { min = [0, 0, 0], max = [1, \"1/3\", 1] }\n");
+    let err = said("thirds.toml", "f32");
+    // 1/3 is 0x3eaaaaab in f32, off by 2⁻²⁵/3.
+    assert!(err.contains("f32 moved 4 of 8 vertices, by at most 9.934e-9 m"), "{err}");
+}
+
+#[test]
 fn an_origin_is_three_numbers_or_local() {
     let place = Place::new();
     place.file("site.toml", SITE);
