@@ -1,7 +1,7 @@
 //! Pins what `report` says of runs that made no step, of a run that is named twice, of tables of counts that were cut off, and of a damaged case.
 
 use crate::campaigns::{Campaigns, SETTINGS};
-use crate::place::rockproof;
+use crate::place::{Place, rockproof};
 use crate::report_command::{copy, run};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -91,9 +91,24 @@ fn a_campaign_that_was_killed_is_said_to_be_one() {
     fs::write(dir.path().join("progress.json"), "{}").expect("written");
     for arguments in [["report", &path, "--quiet"], ["compare", &path, &path]] {
         let (code, _, err) = rockproof(&arguments);
-        let told = "there is no run.json: the campaign was killed, or still runs; finish it with --resume";
+        let told =
+            "there is no run.json, which is written at the end: it was killed, or still runs; finish it with --resume";
         assert!(code == 2 && err.contains(told), "{arguments:?}: {err}");
     }
+}
+
+#[test]
+fn a_run_of_steps_that_has_not_ended_is_said_to_be_one() {
+    let place = Place::new();
+    place.file("one.toml", "[[block]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n");
+    assert_eq!(place.run(&["simulate", "one.toml", "--steps", "2", "--out", "run"]).0, 0);
+    fs::remove_file(place.path("run/run.json")).expect("removed");
+    let (code, _, err) = place.run(&["report", "run"]);
+    assert!(
+        code == 2
+            && err.contains("run: there is no run.json, which is written at the end: it was killed, or still runs"),
+        "{err}"
+    );
 }
 
 /// The number of their rows is known where this version made them.

@@ -50,8 +50,10 @@ pub enum ReportError {
         /// The numbers of the first and the last pair that both have.
         shared: [u64; 2],
     },
-    /// A campaign that wrote no tables yet.
-    #[error("{dir}: there is no run.json: the campaign was killed, or still runs; finish it with --resume")]
+    /// A campaign, or a run of steps, that is not at its end.
+    #[error(
+        "{dir}: there is no run.json, which is written at the end: it was killed, or still runs; finish it with --resume"
+    )]
     NotWritten {
         /// The directory.
         dir: PathBuf,

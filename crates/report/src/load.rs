@@ -276,14 +276,18 @@ pub(super) fn read_json<T: for<'d> Deserialize<'d>>(file: &Path) -> Result<T, Re
     serde_json::from_str(&text).map_err(|e| damaged(&e, "what this version writes there"))
 }
 
+/// The file that a run writes last; `beside` is one that it has from the beginning.
+pub(crate) fn ended(dir: &Path, beside: &str) -> Result<PathBuf, ReportError> {
+    let file = dir.join("run.json");
+    if !file.exists() && dir.join(beside).is_file() {
+        return Err(ReportError::NotWritten { dir: dir.to_owned() });
+    }
+    Ok(file)
+}
+
 impl CampaignRun {
     fn read(dir: &Path) -> Result<CampaignRun, ReportError> {
-        let file = dir.join("run.json");
-        // A campaign writes it last, and its journal from the beginning.
-        if !file.exists() && dir.join("progress.json").is_file() {
-            return Err(ReportError::NotWritten { dir: dir.to_owned() });
-        }
-        let run: RunFile = read_json(&file)?;
+        let run: RunFile = read_json(&ended(dir, "progress.json")?)?;
         let agreement = read_agreement(&dir.join("agreement.csv"))?;
         let confusion = read_confusion(&dir.join("confusion.csv"))?;
         let file = dir.join("findings.csv");

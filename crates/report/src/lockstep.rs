@@ -1,7 +1,8 @@
 //! Runs in which the stepper and the oracle made the same steps.
 
 use super::error::ReportError;
-use super::load::{name_of, read_json};
+use super::load::{ended, name_of, read_json};
+use super::motion;
 use super::rows::{CsvRow, CsvTable};
 use rockproof_differential::finding::Cause;
 use rockproof_model::simulation::step_in_words;
@@ -141,7 +142,7 @@ struct RunFile {
 
 impl LockstepRun {
     pub(super) fn read(dir: &Path) -> Result<LockstepRun, ReportError> {
-        let RunFile { engine } = read_json(&dir.join("run.json"))?;
+        let RunFile { engine } = read_json(&ended(dir, motion::FILE)?)?;
         let mut run = LockstepRun { dir: dir.to_owned(), name: name_of(dir), engine, ..LockstepRun::default() };
         let mut rows = CsvTable::open_wider(dir.join("lockstep.csv"), &COLUMNS)?;
         let mut stride = 1;

@@ -1,7 +1,7 @@
 //! Runs of `simulate`, audited or not.
 
 use super::error::ReportError;
-use super::load::{name_of, read_json};
+use super::load::{ended, name_of, read_json};
 use super::rows::CsvTable;
 use super::table::{counted, grouped, short};
 use rockproof_model::simulation::step_in_words;
@@ -69,7 +69,7 @@ struct StoppedBy {
 impl MotionRun {
     pub(super) fn read(dir: &Path) -> Result<MotionRun, ReportError> {
         let RunFile { engine, ending, steps_asked, time_asked_s, time_s, stopped, unproved, violated, totals } =
-            read_json(&dir.join("run.json"))?;
+            read_json(&ended(dir, FILE)?)?;
         let reason = stopped.map(|stopped| stopped.message).or(unproved).unwrap_or_default();
         let file = dir.join(INTRUSIONS);
         let mut intrusions = Vec::new();
