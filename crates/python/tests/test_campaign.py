@@ -41,6 +41,15 @@ def test_findings_and_summary_are_those_of_the_command(command, tmp_path):
     assert summary == rows("summary.csv")
 
 
+def test_exact_ties_are_those_of_the_command(command, tmp_path):
+    command("campaign", "--pairs", 256, "--exact-ties", "--steps-every", 0, "--out", tmp_path / "run")
+    found = rockproof.campaign(pairs=256, exact_ties=True)
+    with open(tmp_path / "run" / "findings.csv", newline="") as file:
+        told = [(int(row["index"]), row["change"]) for row in csv.DictReader(file)]
+    own = [(finding["index"], finding["change"]) for finding in found.findings]
+    assert told == own and own != [(f["index"], f["change"]) for f in rockproof.campaign(pairs=256).findings]
+
+
 def test_a_function_that_is_right_has_no_finding():
     found = rockproof.campaign(exact, **SMALL)
     assert [f for f in found.findings if f["engine"] == "exact"] == []
