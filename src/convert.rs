@@ -5,7 +5,7 @@ use crate::input::{ReadArgs, model_help, precision};
 use crate::input_file::InputFile;
 use crate::output_file::OverwriteArgs;
 use anyhow::Context;
-use rockproof_examine::{refuse_too_large, short};
+use rockproof_examine::{point_in_decimals, refuse_too_large, short};
 use rockproof_model::block::Point;
 use rockproof_model::scene::{FormatError, SceneFormat, losses, write};
 use rockproof_model::{Block, BlockOptions, Number, Precision, Scene, Vec3};
@@ -106,8 +106,7 @@ impl Convert {
         };
         scene.move_origin_to(&origin);
         refuse_too_large(scene).with_context(|| format!("{}: --origin", self.input.path().display()))?;
-        let [x, y, z] = origin.components();
-        print_note(&format!("the origin is now where ({x}, {y}, {z}) was"));
+        print_note(&format!("the origin is now where ({}) was", point_in_decimals(&origin)));
         Ok(())
     }
 

@@ -682,7 +682,7 @@ fn document<R: Real>(record: &RunRecord, state: &State<R>, ending: &Ending, know
                 json!({ "steps": of.steps, "blocks": first.blocks, "into": first.into, "share": first.share.0, "first_step": first.step, "most_share": of.most.0 })
             })
         };
-        let FalseEntranceTotals { unmet, covered } = &audit.false_entrances;
+        let FalseEntranceTotals { unmet, covered, .. } = &audit.false_entrances;
         json!({
             "objects": audit.finds_fault(),
             "steps": audit.steps,
@@ -782,7 +782,7 @@ fn write_summary<R: Real>(
     if let Some(sentence) = totals.unsettled_in_words() {
         writeln!(out, "friction         {sentence}")?;
     }
-    if let Some(sentence) = audit.and_then(|audit| audit.false_entrances.sentence(audit.steps)) {
+    if let Some(sentence) = audit.and_then(|audit| audit.false_entrances.sentence()) {
         writeln!(out, "false entrances  {sentence}")?;
     }
     let retries: Vec<String> =

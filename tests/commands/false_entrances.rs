@@ -62,6 +62,16 @@ fn a_seam_that_stops_what_slides_over_it_is_told() {
     let document: Value = serde_json::from_str(&place.read("examined/examine.json")).expect("JSON");
     let steps = &document["given"]["steps"]["steps_with_false_entrances"];
     assert!(steps["covered"].as_u64() > Some(0) && steps["unmet"] == 0, "{steps}");
+    // With a seam lengthwise as well each corner is at another pair of blocks; together they count as before, but for what corners of the floor bear.
+    let lengthwise = slope(0.6)
+        .replace("-2, -1], max = [0.6, 2, 0]", "-2, -1], max = [0.6, 0, 0]")
+        .replace("-2, -1], max = [8, 2, 0]", "-2, -1], max = [8, 0, 0]");
+    let others = |from: f64, to: f64| {
+        format!("[[block]]\nfixed = true\nbox = {{ min = [{from}, 0, -1], max = [{to}, 2, 0] }}\n")
+    };
+    let (line, _) = told(&place, &format!("{lengthwise}{}{}", others(-3.0, 0.6), others(0.6, 8.0)), "25");
+    let line = line.expect("a line");
+    assert!(line.starts_with(said) && line.contains("step 21, with 36.6 % of"), "{line}");
     // Before the seam is reached, and on a floor in one piece.
     assert_eq!(told(&place, &slope(0.6), "15").0, None);
     assert_eq!(told(&place, &slope(7.0), "25").0, None);
@@ -102,6 +112,13 @@ fn corners_and_bonds_are_held_by_true_entrances() {
         + &cube("fixed = true", [1.0, -2.0, -1.0], [1.0, 4.0, 3.0])
         + &cube("", [-0.01, -0.5, 0.0], [1.0, 1.0, 1.0]);
     assert_eq!(told(&place, &corner, "60").0, None);
+    // Side by side, overlapping by a nanometre, the second lower by a micrometre: what stands on the first does not push it into the second.
+    let aside = "[simulation]\ngravity = [2, 0, -10]\ntime_step = 0.01\nsettle = 100\n[[joint]]\nfriction = 0.6\n"
+        .to_owned()
+        + "[[block]]\nfixed = true\nbox = { min = [-1, -0.4, -1], max = [0, 0.4, 0] }\n"
+        + "[[block]]\nfixed = true\nbox = { min = [-1e-9, -0.9, -1], max = [1, 0.9, -1e-6] }\n"
+        + "[[block]]\nmotion = \"rigid\"\nbox = { min = [-0.99999, -0.5, 0], max = [1e-5, 0.5, 1] }\n";
+    assert_eq!(told(&place, &aside, "40").0, None);
     let mut bond = cube("fixed = true", [-1.0, -1.0, -1.0], [4.0, 4.0, 1.0]);
     for (x, z) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.5, 2.0)] {
         bond += &cube("", [x, 0.0, z], [1.0, 1.0, 1.0]);

@@ -5,8 +5,9 @@ use crate::pressed_springs::{cross, dot, length, minus, plus};
 use rockproof_model::{Block, ContactKey, VertexId};
 use rockproof_oracle::audit::Screen;
 use rockproof_simulate::FalseEntrance;
-use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{ContactState, State};
+use rockproof_stepper::{Real, Vector};
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 /// False entrances that bear no more than this share of what contacts press a block with are not told: blocks that stand close move it by as little.
@@ -20,7 +21,7 @@ pub(crate) type Places = Vec<[f64; 3]>;
 
 /// The places of a state.
 pub(crate) fn places<R: Real>(state: &State<R>) -> Vec<Places> {
-    let place = |v: &rockproof_stepper::Vector<R>| v.components().map(R::to_f64);
+    let place = |v: &Vector<R>| v.components().map(R::to_f64);
     state.blocks.iter().map(|block| block.vertices.iter().map(place).collect()).collect()
 }
 
@@ -33,7 +34,9 @@ struct Push {
     out_of: usize,
     /// Of unit length.
     along: [f64; 3],
-    /// How far it is pushed (m), to first order.
+    /// The gap where the step begins (m).
+    gap_before: f64,
+    /// How far it is pushed at its end (m), to first order.
     depth: f64,
 }
 
@@ -56,35 +59,43 @@ pub(crate) struct StepLook<'s> {
 }
 
 impl StepLook<'_> {
-    /// The false entrances through which more than a fifth of what contacts press a block with goes, one for each pair and block behind it, in ascending order.
+    /// The false entrances of blocks that these bear more than a fifth of what contacts press them with, those of each kind together: one for each pair and block behind
+    /// it, those that never met first, in ascending order.
     pub(crate) fn false_entrances<R: Real>(&self, state: &State<R>) -> Vec<FalseEntrance> {
         let pressed = || state.contacts.iter().filter(|c| c.mode.is_closed() && -c.gap.to_f64() > self.rounding);
         let mut all = vec![0.0; self.shapes.len()];
         for contact in pressed() {
             contact.blocks.iter().for_each(|&block| all[block as usize] += normal_force(contact));
         }
-        let mut neighbours: Option<Vec<Vec<usize>>> = None;
+        let known = OnceCell::new();
+        let near = |block: usize| known.get_or_init(|| neighbours(state))[block].as_slice();
         let mut found: BTreeMap<([usize; 2], Option<usize>), f64> = BTreeMap::new();
         let mut may_be_apart: BTreeMap<[usize; 2], bool> = BTreeMap::new();
         for contact in pressed() {
             let blocks = contact.blocks.map(|block| block as usize);
             let is_deep = || self.screen.greatest_depth(blocks).is_some_and(|depth| depth > 2.0 * self.rounding);
             let is_unmet = *may_be_apart.entry(blocks).or_insert_with(|| !is_deep()) && self.never_met(contact);
-            let into = if is_unmet { None } else { self.covered(contact, &mut neighbours) };
+            let into = if is_unmet { None } else { self.covered(contact, &near) };
             if is_unmet || into.is_some() {
                 *found.entry((blocks, into)).or_default() += normal_force(contact);
             }
         }
-        let share = |blocks: [usize; 2], force: f64| {
-            let of = |block: usize| if self.is_fixed[block] || all[block] == 0.0 { 0.0 } else { force / all[block] };
-            blocks.map(of).into_iter().fold(0.0, f64::max)
-        };
-        let told = found.into_iter().map(|((blocks, into), force)| FalseEntrance {
-            blocks,
-            into,
-            share: share(blocks, force),
-        });
-        told.filter(|entrance| entrance.share > SHARE).collect()
+        let is_told = |block: usize, force: f64| !self.is_fixed[block] && force > SHARE * all[block];
+        let mut told = Vec::new();
+        for is_covered in [false, true] {
+            let of_kind = || found.iter().filter(|((_, into), _)| into.is_some() == is_covered);
+            let mut sums = vec![0.0; self.shapes.len()];
+            for ((blocks, _), force) in of_kind() {
+                blocks.iter().for_each(|&block| sums[block] += force);
+            }
+            let share = |blocks: [usize; 2]| {
+                let of = |block: usize| if is_told(block, sums[block]) { sums[block] / all[block] } else { 0.0 };
+                blocks.map(of).into_iter().fold(0.0, f64::max)
+            };
+            let entrances = of_kind().map(|(&(blocks, into), _)| FalseEntrance { blocks, into, share: share(blocks) });
+            told.extend(entrances.filter(|entrance| entrance.share > 0.0));
+        }
+        told
     }
 
     /// Whether a plane along a face of either block parts the blocks of a contact from the beginning of the step to its end, vertices going straight: by more than what
@@ -109,7 +120,8 @@ impl StepLook<'_> {
         })
     }
 
-    /// What a vertex that turns about the middle of its block in the step is off a straight line, t²/2r for a way t at a distance r, at most (m).
+    /// What gaps to first order are off where a block turns in the step, at most (m): a vertex at the distance r from its middle that goes t on a circle is t²/2r off a
+    /// straight line, and a vertex of another block, as far from it as the block is long, as much twice off the plane of a face that turns.
     fn turning_error(&self, block: usize) -> f64 {
         let middle = |places: &[Places]| {
             let count = places[block].len() as f64;
@@ -121,31 +133,34 @@ impl StepLook<'_> {
             (length(minus(new, old)), length(old))
         });
         let (way, arm) = arms.fold((0.0f64, 0.0f64), |(way, arm), (w, a)| (way.max(w), arm.max(a)));
-        if arm > 0.0 { way * way / (2.0 * arm) } else { 0.0 }
+        if arm > 0.0 { 2.0 * way * way / arm } else { 0.0 }
     }
 
     /// The block that covers the way on which a contact pushes a vertex out of a block, though a face of that one lets it go and no block is behind there.
-    fn covered<R: Real>(&self, contact: &ContactState<R>, neighbours: &mut Option<Vec<Vec<usize>>>) -> Option<usize> {
+    fn covered<'n, R: Real>(&self, contact: &ContactState<R>, near: &dyn Fn(usize) -> &'n [usize]) -> Option<usize> {
         let [a, b] = contact.blocks.map(|block| block as usize);
-        let (out_of_b, depth) = (contact.normal.components().map(R::to_f64), -contact.gap.to_f64());
+        let f64s = |v: &Vector<R>| v.components().map(R::to_f64);
+        let (out_of_b, depth) = (f64s(&contact.normal), -contact.gap.to_f64());
         let out_of_a = out_of_b.map(|x| -x);
+        let gap_before = dot(out_of_b, minus(f64s(&contact.points[0]), f64s(&contact.points[1])));
         let (of_a, of_b) = match contact.key() {
             ContactKey::VertexVertex(v, w) => (Some(v), Some(w)),
             ContactKey::VertexEdge(v, _) | ContactKey::VertexFace(v, _) => (Some(v), None),
             ContactKey::EdgeVertex(_, w) | ContactKey::FaceVertex(_, w) => (None, Some(w)),
             ContactKey::EdgeEdge(..) => (None, None),
         };
-        let of_a = of_a.map(|vertex| Push { block: a, vertex, out_of: b, along: out_of_b, depth });
-        let of_b = of_b.map(|vertex| Push { block: b, vertex, out_of: a, along: out_of_a, depth });
-        of_a.into_iter().chain(of_b).find_map(|push| self.covers(&push, neighbours))
+        let of_a = of_a.map(|vertex| Push { block: a, vertex, out_of: b, along: out_of_b, gap_before, depth });
+        let of_b = of_b.map(|vertex| Push { block: b, vertex, out_of: a, along: out_of_a, gap_before, depth });
+        of_a.into_iter().chain(of_b).find_map(|push| self.covers(&push, near))
     }
 
-    fn covers(&self, push: &Push, neighbours: &mut Option<Vec<Vec<usize>>>) -> Option<usize> {
-        let &Push { block, vertex, out_of, along, depth } = push;
+    fn covers<'n>(&self, push: &Push, near: &dyn Fn(usize) -> &'n [usize]) -> Option<usize> {
+        let &Push { block, vertex, out_of, along, gap_before, depth } = push;
         if !self.shapes[out_of].is_convex() {
             return None;
         }
-        let at = self.after[block][vertex.index()];
+        // Blocks as they were, and the vertex moved along the normal as far as to first order it went in the step: only so is it as deep as the contact has it.
+        let at = minus(self.before[block][vertex.index()], along.map(|x| x * (gap_before + depth)));
         let mut other_ways = Vec::new();
         for face in 0..self.shapes[out_of].topology().faces().len() {
             let (n, below) = self.depth_below((out_of, face), at)?;
@@ -160,27 +175,33 @@ impl StepLook<'_> {
         if other_ways.is_empty() {
             return None;
         }
-        let near = &neighbours.get_or_insert_with(|| self.neighbours())[block];
+        let near = near(block);
         let beyond = |n: [f64; 3], way: f64| plus(at, n.map(|x| x * way));
-        let holds = |other: usize, point| other != out_of && self.is_inside(other, point);
-        // Twice as far: on the surface itself both blocks of a seam are.
-        let cover = near.iter().find(|&&other| holds(other, beyond(along, 2.0 * depth)) && !holds(other, at))?;
-        // Beyond a face that lets it go a block is no nearer than the contact pushes: where corners of a bond meet, each way leads into some block.
-        let is_free = |(n, below)| !near.iter().any(|&other| holds(other, beyond(n, below + depth)));
-        other_ways.into_iter().any(is_free).then_some(*cover)
+        let holds = |other: usize, point, by: f64| other != out_of && self.is_inside(other, point, by);
+        other_ways.into_iter().find_map(|(n, below)| {
+            // Beyond a face that lets it go a block is no nearer than the contact pushes: where corners of a bond meet, each way leads into some block.
+            if near.iter().any(|&other| holds(other, beyond(n, below + depth), 0.0)) {
+                return None;
+            }
+            // Twice as far: on the surface itself both blocks of a seam are. As deep there as the lesser of both ways, or nearly: blocks side by side may overlap a little.
+            let least = depth.min(below) / 2.0;
+            let covers = |other| holds(other, beyond(along, 2.0 * depth), least) && !holds(other, at, 0.0);
+            near.iter().copied().find(|&other| covers(other))
+        })
     }
 
-    /// How far a point is below the plane of a face (m), with the face's unit normal, outwards; `None` of a face without area.
+    /// How far a point is below the plane of a face where the step begins (m), with the face's unit normal, outwards; `None` of a face without area.
     fn depth_below(&self, (block, face): (usize, usize), point: [f64; 3]) -> Option<([f64; 3], f64)> {
-        let (n, on) = self.plane(block, face, self.after)?;
+        let (n, on) = self.plane(block, face, self.before)?;
         Some((n, dot(n, minus(on, point))))
     }
 
-    /// Whether a point is inside a convex block, by more than rounding.
-    fn is_inside(&self, block: usize, point: [f64; 3]) -> bool {
+    /// Whether a point is inside a convex block where the step begins, by more than rounding and so much (m).
+    fn is_inside(&self, block: usize, point: [f64; 3], by: f64) -> bool {
         let mut faces = 0..self.shapes[block].topology().faces().len();
-        let below =
-            |face: usize| self.depth_below((block, face), point).is_some_and(|(_, depth)| depth > self.rounding);
+        let below = |face: usize| {
+            self.depth_below((block, face), point).is_some_and(|(_, depth)| depth > self.rounding.max(by))
+        };
         self.shapes[block].is_convex() && faces.all(below)
     }
 
@@ -194,20 +215,25 @@ impl StepLook<'_> {
         let size = length(area);
         (size > 0.0).then(|| (area.map(|x| x / size), first))
     }
+}
 
-    /// The blocks whose boxes meet the box of each.
-    fn neighbours(&self) -> Vec<Vec<usize>> {
-        let mut all = vec![Vec::new(); self.shapes.len()];
-        for [a, b] in self.screen.pairs() {
-            all[a].push(b);
-            all[b].push(a);
-        }
-        all
+/// The blocks with which each has contacts, open ones too: those near it where the step begins.
+fn neighbours<R: Real>(state: &State<R>) -> Vec<Vec<usize>> {
+    let mut all = vec![Vec::new(); state.blocks.len()];
+    for contact in &state.contacts {
+        let [a, b] = contact.blocks.map(|block| block as usize);
+        all[a].push(b);
+        all[b].push(a);
     }
+    for near in &mut all {
+        near.sort_unstable();
+        near.dedup();
+    }
+    all
 }
 
 /// What a contact presses its blocks apart with (N).
 fn normal_force<R: Real>(contact: &ContactState<R>) -> f64 {
-    let near = |v: &rockproof_stepper::Vector<R>| v.components().map(R::to_f64);
+    let near = |v: &Vector<R>| v.components().map(R::to_f64);
     dot(near(&contact.force), near(&contact.normal)).abs()
 }

@@ -45,7 +45,7 @@ pub use document::document;
 pub use error::ExamineError;
 pub use extents::{Extents, short};
 pub use intrusion_recorder::{IntrusionCases, IntrusionRecorder};
-pub use local_origin::LocalOrigin;
+pub use local_origin::{LocalOrigin, point_in_decimals};
 pub use naming::{Naming, file_name, reading, setting};
 pub use overlaps::{MeasuredOverlaps, OverlapScope, Overlaps, overlaps};
 pub use pairs::{EngineDifferences, ExaminedPair};

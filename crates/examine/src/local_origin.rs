@@ -6,9 +6,9 @@ use crate::error::ExamineError;
 use crate::pairs;
 use crate::progress::{Stage, WorkProgress};
 use rockproof_differential::subject::NamedSet;
-use rockproof_model::Scene;
 use rockproof_model::block::Point;
 use rockproof_model::tolerance_rules::check_scene;
+use rockproof_model::{Number, Scene};
 use std::sync::atomic::AtomicBool;
 
 /// How a model does relative to a local origin ([`Scene::local_origin`]), where that is better than as it is.
@@ -60,7 +60,15 @@ impl LocalOrigin {
 
     /// Its coordinates.
     pub(crate) fn point(&self) -> String {
-        let [x, y, z] = self.origin.components();
-        format!("{x}, {y}, {z}")
+        point_in_decimals(&self.origin)
     }
+}
+
+/// The coordinates of a point, as decimals where f64 writes them exactly so.
+pub fn point_in_decimals(point: &Point) -> String {
+    let shown = |coordinate: &Number| {
+        let decimal = coordinate.approximate().to_string();
+        if Number::parse(&decimal).is_ok_and(|same| same == *coordinate) { decimal } else { coordinate.to_string() }
+    };
+    point.components().map(shown).join(", ")
 }

@@ -57,7 +57,7 @@ pub(crate) fn steps(given: &Assessment) -> Line {
         0 => String::new(),
         count => format!(" after {} of settling", grouped(count)),
     };
-    let entrances = made.totals.false_entrances.sentence(made.totals.steps);
+    let entrances = made.totals.false_entrances.sentence();
     let entrances = entrances.map_or(String::new(), |sentence| format!("; false entrances: {sentence}"));
     let text = format!("{} made{settling}{ended}{unconverged}{unsettled}, {held}: {totals}{entrances}", made.made);
     line("steps", severity, text)

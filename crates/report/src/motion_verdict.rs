@@ -161,7 +161,7 @@ pub(super) fn doubt_lines(runs: &[MotionRun]) -> Vec<VerdictLine> {
     let unsettled = |run: &MotionRun| Some(format!("friction {}", run.totals.unsettled_in_words()?));
     let entrances = |run: &MotionRun| {
         let audit = run.totals.audit.as_ref()?;
-        Some(format!("false entrances: {}", audit.false_entrances.sentence(audit.steps)?))
+        Some(format!("false entrances: {}", audit.false_entrances.sentence()?))
     };
     let line = |doubt: &dyn Fn(&MotionRun) -> Option<String>| {
         let doubted: Vec<String> =

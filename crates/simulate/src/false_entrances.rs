@@ -16,13 +16,16 @@ pub struct FalseEntrance {
     pub share: f64,
 }
 
-/// A larger share than this decides how a block moves.
-const MOST: f64 = 0.5;
+/// A larger share than this decides how a block moves: two of the four corners that bear a block bear half of it, and as much again through a seam that holds them, a third of
+/// all.
+const DECISIVE: f64 = 1.0 / 3.0;
 
 /// The false entrances of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FalseEntranceTotals {
+    /// The steps looked at; those of settling, after which blocks are at rest whatever pushed them, are not.
+    pub steps: u64,
     /// Where the blocks never met within the step.
     #[serde(default)]
     pub unmet: FalseEntranceSteps,
@@ -53,7 +56,7 @@ pub struct FirstFalseEntrance {
     pub into: Option<usize>,
     /// As of [`FalseEntrance`].
     pub share: ExactFloat,
-    /// The step; of settling 0 or below.
+    /// The step.
     pub step: i64,
 }
 
@@ -63,14 +66,18 @@ impl FalseEntranceTotals {
         self.unmet.steps == 0 && self.covered.steps == 0
     }
 
-    /// Whether in some step most of what contacts press a block with goes through false entrances: what becomes of it is then not what would become of rock. Where blocks
-    /// of cut rock lie at rest, corners at seams bear up to some third.
+    /// Whether in some step more than a third of what contacts press a block with goes through false entrances of one kind: what becomes of it is then not what would
+    /// become of rock. Where blocks of cut rock lie at rest, corners at seams bear less in most steps.
     pub fn decide(&self) -> bool {
-        [&self.unmet, &self.covered].into_iter().any(|kind| kind.most.0 > MOST)
+        [&self.unmet, &self.covered].into_iter().any(|kind| kind.most.0 > DECISIVE)
     }
 
-    /// Adds those of a step.
+    /// Adds those of a step; of settling nothing.
     pub(crate) fn add(&mut self, found: &[FalseEntrance], step: i64) {
+        if step <= 0 {
+            return;
+        }
+        self.steps += 1;
         for (is_covered, kind) in [(false, &mut self.unmet), (true, &mut self.covered)] {
             let such = found.iter().rev().filter(|entrance| entrance.into.is_some() == is_covered);
             let worst = such.copied().max_by(|one, two| one.share.total_cmp(&two.share));
@@ -81,13 +88,14 @@ impl FalseEntranceTotals {
         }
     }
 
-    /// The false entrances among so many steps, each kind with its first and what helps; `None` where there are none.
-    pub fn sentence(&self, all: u64) -> Option<String> {
+    /// The false entrances, each kind with its first and what helps; `None` where there are none.
+    pub fn sentence(&self) -> Option<String> {
+        let all = self.steps;
         let among = |kind: &FalseEntranceSteps| {
             let FirstFalseEntrance { blocks: [a, b], into, share, step } = kind.first?;
             let into = into.map_or(String::new(), |block| format!(" into {block}"));
             Some(format!(
-                "in {} of {all} {} (first {a}–{b}{into}, {}, with {:.0} % of what contacts press a block with, at most {:.0} %)",
+                "in {} of {all} {} (first {a}–{b}{into}, {}, with {:.1} % of what contacts press a block with, at most {:.1} %)",
                 kind.steps,
                 noun(all, "step", "steps"),
                 step_in_words(step),
@@ -117,18 +125,20 @@ mod tests {
         let of = |blocks, into, share| FalseEntrance { blocks, into, share };
         let mut totals = FalseEntranceTotals::default();
         totals.add(&[], 1);
-        assert_eq!((totals.is_none(), totals.sentence(1)), (true, None));
+        assert_eq!((totals.is_none(), totals.sentence()), (true, None));
+        totals.add(&[of([0, 1], None, 1.0)], 0);
+        assert!(totals.is_none(), "settling");
         totals.add(&[of([0, 1], None, 0.25), of([2, 3], None, 0.5), of([4, 5], None, 0.5)], 2);
         totals.add(&[of([0, 1], Some(7), 0.25), of([0, 1], None, 1.0)], 3);
-        let sentence = totals.sentence(3).expect("a sentence");
+        let sentence = totals.sentence().expect("a sentence");
         let [covered, unmet] = [
-            "in 1 of 3 steps (first 0–1 into 7, step 3, with 25 % of what contacts press a block with, at most 25 %)",
-            "in 2 of 3 steps (first 2–3, step 2, with 50 % of what contacts press a block with, at most 100 %)",
+            "in 1 of 3 steps (first 0–1 into 7, step 3, with 25.0 % of what contacts press a block with, at most 25.0 %)",
+            "in 2 of 3 steps (first 2–3, step 2, with 50.0 % of what contacts press a block with, at most 100.0 %)",
         ];
         assert!(sentence.contains(covered) && sentence.contains(unmet), "{sentence}");
         assert!(totals.decide());
-        let half = FalseEntranceSteps { most: ExactFloat(0.5), ..totals.unmet.clone() };
-        assert!(!FalseEntranceTotals { unmet: half, ..totals.clone() }.decide(), "half is not most");
+        let third = FalseEntranceSteps { most: ExactFloat(1.0 / 3.0), ..totals.unmet.clone() };
+        assert!(!FalseEntranceTotals { unmet: third, ..totals.clone() }.decide(), "a third is not more");
         let text = serde_json::to_string(&totals).expect("JSON");
         assert_eq!(serde_json::from_str::<FalseEntranceTotals>(&text).ok(), Some(totals));
     }

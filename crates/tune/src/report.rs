@@ -44,7 +44,7 @@ fn write_all(out: &mut String, name: &str, evaluator: &Evaluator, search: &Searc
     overlaps(out, &evaluated[best].measurement, evaluator.overlapping())?;
     let warnings = rule_warnings(&evaluated[best].set, evaluator.scene());
     if !warnings.is_empty() {
-        writeln!(out, "\n`check` warns of the model under this set:\n")?;
+        writeln!(out, "\nUnder this set `check` warns (the energy of overlaps and reflex edges apart):\n")?;
         warnings.iter().try_for_each(|warning| writeln!(out, "- {warning}"))?;
     }
     writeln!(out, "\n```toml\n{}```\n", as_toml(&evaluated[best].set))?;

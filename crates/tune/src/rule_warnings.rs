@@ -3,7 +3,7 @@
 use rockproof_model::tolerance_rules::{Fall, Thin, fall, thin, warnings};
 use rockproof_model::{Scene, ToleranceSet};
 
-/// The warnings that `check` has of a scene under a set, each with what mends it.
+/// The warnings that `check` has of a scene under a set, each with what mends it; not those about single pairs (the energy of their overlaps, reflex edges).
 pub fn rule_warnings(set: &ToleranceSet, scene: &Scene) -> Vec<String> {
     let fall = fall(set, scene).map(|fall| {
         let Fall { block, remedy, .. } = fall;

@@ -284,10 +284,10 @@ fn a_run_by_force_or_without_settled_friction_is_doubted() {
     let mut thrown = sound.clone();
     let first = FirstFalseEntrance { blocks: [0, 1], into: None, share: ExactFloat(0.5), step: 3 };
     let unmet = FalseEntranceSteps { steps: 2, first: Some(first), most: ExactFloat(0.75) };
-    let false_entrances = FalseEntranceTotals { unmet, ..FalseEntranceTotals::default() };
+    let false_entrances = FalseEntranceTotals { steps: 5, unmet, ..FalseEntranceTotals::default() };
     let audit = AuditTotals { steps: 5, false_entrances, ..AuditTotals::default() };
     thrown.totals.audit = Some(audit);
-    let told = "one: false entrances: contacts pushed blocks apart that never met in 2 of 5 steps (first 0–1, step 3, with 50 %";
+    let told = "one: false entrances: contacts pushed blocks apart that never met in 2 of 5 steps (first 0–1, step 3, with 50.0 %";
     assert!(has(&of(vec![thrown]), Severity::Fair, told));
     let lines = of(vec![slipping, sound]);
     let told = "one: friction not settled in 2 steps (in step 4 by 62 % of the forces on a block)";
