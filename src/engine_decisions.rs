@@ -44,12 +44,13 @@ pub(crate) fn changed_answers(
     if case.about.engine != engine.name() {
         return None;
     }
+    let change = case.about.checked_change()?;
     let ChangedAnswers { words, answers } = case.changed_answers(engine, &BuiltinOracle, says_state)?;
     let mut shown = Vec::new();
     for (number, answer) in answers.into_iter().enumerate() {
         let name = |who: &str| {
             let again = if number == 0 { "" } else { " (exchanged)" };
-            format!("{who}, {}{again}", case.about.change)
+            format!("{who}, {change}{again}")
         };
         shown.push(EngineDecisions {
             name: name(&format!("exact {}", engine.precision())),

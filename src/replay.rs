@@ -299,7 +299,7 @@ fn document(
         "finding": {
             "cause": about.cause, "change": about.change, "engine": about.engine, "predicate": about.predicate,
             "features": about.features, "margin": about.margin, "roundoffs": about.margin_ulps, "origin": about.origin,
-            "note": about.note,
+            "note": about.note, "check": about.check,
         },
         "recurs": recurrence.recurs(),
         "not_known": not_known,
@@ -326,8 +326,7 @@ fn show(out: &mut impl Write, case: &Case, CaseAnswers { said, partings, changed
         writeln!(out, "margin {margin:e}{ulps}")?;
     }
     writeln!(out, "from {}\n", excerpt(&about.origin, EXCERPT_LENGTH))?;
-    if let Some(words) = changed {
-        let change = &about.change;
+    if let (Some(words), Some(change)) = (changed, about.checked_change()) {
         writeln!(out, "{change}: \"…, {change}\" are answers to the same pair with {words}\n")?;
     }
     let keys: BTreeSet<_> = said.iter().flat_map(|s| s.contacts.iter().flatten()).map(|c| c.key).collect();

@@ -74,7 +74,9 @@ fn every_misbehaviour_is_a_finding() {
     let mut replay = Command::cargo_bin("rockproof").expect("the program");
     replay.arg("replay").arg(case).args(["--engine-command", &mine]);
     let said = String::from_utf8(replay.output().expect("runs").stdout).expect("text");
-    assert!(said.contains("mine gave no answer: malformed") && said.contains("nobody asked for"), "{said}");
+    // To the pair as it stands, or changed as a check changes it.
+    let is_told = |line: &str| line.starts_with("mine") && line.contains(" gave no answer: malformed");
+    assert!(said.lines().any(is_told) && said.contains("nobody asked for"), "{said}");
 }
 
 #[test]

@@ -241,3 +241,77 @@ fn a_changed_pair_that_an_engine_does_not_take_is_no_contradiction() {
         assert!(code == 0 && findings.contains(",unsupported,") && !findings.contains(",swap,"), "{said}{err}");
     }
 }
+
+/// A code that says the same of all pairs, and ends in place of an answer where a corner has a coordinate of two digits or more along x, as that of a block far
+/// away.
+fn ends_far_away(script: &str, said: &str) -> String {
+    format!("/\\[-\\{{0,1\\}}[1-9][0-9]\\{{1,\\}}\\./{{{script}}}\ns/^{{\"id\":\\([0-9]*\\),.*/{{\"id\":\\1,{said}}}/")
+}
+
+/// It answers about each pair, and ends only once that is changed: a limit on crashes breaks, and its case is replayed, made small and judged again.
+#[test]
+fn an_engine_that_ends_on_the_changed_pair_alone_has_a_finding() {
+    let dir = crate::place::folder();
+    let dir = dir.path();
+    let answering = |said: &str, script: &str, limit: &str, corpus: &str, more: &[&str]| {
+        let pairs = if corpus == "[]" { "pairs = 32" } else { "pairs = 0" };
+        let settings = around(&["sed", "-u", &ends_far_away(script, said)], limit).replace("pairs = 256", pairs);
+        let settings = settings.replace("[campaign]", "[campaign]\nmetamorphic_every = 1\ntolerances = [\"auto\"]");
+        gate(dir, &settings.replace("corpus = []", &format!("corpus = {corpus}")), more, false)
+    };
+    let gated = |script: &str, limit: &str, corpus: &str, more: &[&str]| answering(APART, script, limit, corpus, more);
+    let limit = "[[limit]]\nengine = \"mine\"\nchange = \"crash\"\ncount = 0\n";
+    // What an engine says that it cannot do is none.
+    let untaken = r#"s/^{"id":\([0-9]*\),.*/{"id":\1,"unsupported":"so far"}/;t"#;
+    let not_taken = gated(untaken, limit, "[]", &[]);
+    let row = not_taken.out.lines().find(|line| line.contains("change crash"));
+    assert!(row.is_some_and(|row| row.contains("pass")), "{}{}", not_taken.out, not_taken.err);
+    for said in [r#""contacts":[]"#, APART] {
+        let ran = answering(said, "Q", limit, "[]", &[]);
+        let row = ran.out.lines().find(|line| line.contains("change crash"));
+        // Of each pair with B far away, and of 15 that are moved so far.
+        let is_broken = |row: &str| row.contains("FAIL") && row.contains(" 47 findings, at most 0 ");
+        assert!(ran.code == 1 && row.is_some_and(is_broken), "{}{}", ran.out, ran.err);
+    }
+
+    let cases =
+        fs::read_dir(dir.join("reports/gate/fixed/cases")).expect("cases").map(|entry| entry.expect("an entry"));
+    let texts: Vec<String> = cases.map(|file| fs::read_to_string(file.path()).expect("a case")).collect();
+    let of_crash = |text: &&String| text.contains("change = \"crash\"");
+    let text = texts.iter().find(of_crash).unwrap_or_else(|| panic!("no case: {texts:?}"));
+    assert!(text.contains("check = \"far-block\"") && text.contains("note = \"with B moved by "), "{text}");
+    fs::create_dir(dir.join("corpus")).expect("a folder");
+    fs::write(dir.join("corpus/case.toml"), text).expect("write");
+
+    fs::write(dir.join("ends.sed"), ends_far_away("Q", APART)).expect("write");
+    let engine = ["--engine-command", "mine=sed -u -f ends.sed"];
+    let (code, out, err) = rockproof_in(dir, &[&["replay", "corpus/case.toml"], &engine[..]].concat());
+    let told = [
+        "the finding recurs\n  with B moved by ",
+        " m along x: crashed: ",
+        "\"…, far-block\" are answers to the same pair",
+    ];
+    assert!(code == 0 && told.iter().all(|part| out.contains(part)), "{out}{err}");
+    let shrunk = [&["shrink", "corpus/case.toml", "--evaluations", "20", "--out", "small.toml"], &engine[..]].concat();
+    let (code, out, err) = rockproof_in(dir, &shrunk);
+    let small = fs::read_to_string(dir.join("small.toml")).unwrap_or_default();
+    assert!(code == 0 && small.contains("check = \"far-block\""), "{out}{err}{small}");
+
+    let judged = |script: &str| {
+        let ran = gated(script, "", "[\"corpus\"]", &["--format", "json"]);
+        let document: serde_json::Value =
+            serde_json::from_str(&ran.out).unwrap_or_else(|_| panic!("{}{}", ran.out, ran.err));
+        let checks = document["checks"].as_array().expect("checks");
+        let check = checks.iter().find(|check| check["group"] == "corpus").expect("the case");
+        ["verdict", "found"].map(|key| check[key].as_str().expect("a text").to_owned())
+    };
+    for (script, verdict, why) in [
+        ("Q", "pass", "as recorded"),
+        ("", "pass", ""),
+        (untaken, "skip", "whether the crash of mine is mended is not known"),
+        ("s/.*/what/;t", "FAIL", "gives no answer to the pair with B moved by "),
+    ] {
+        let [status, message] = judged(script);
+        assert!(status == verdict && message.contains(why), "{script}: {status}, {message}");
+    }
+}

@@ -56,6 +56,12 @@ fn cases_are_checked_as_scenes_are() {
             "found_state = \"apart\"\norigin = \"",
             vec!["found_state is \"apart\"", "none without states"],
         ),
+        ("origin = \"", "check = \"mirror\"\norigin = \"", vec!["check is \"mirror\"", "swap, renumber"]),
+        (
+            "origin = \"",
+            "check = \"swap\"\norigin = \"",
+            vec!["change is \"extra\"", "allowed are failure, crash, timeout"],
+        ),
         ("feature_a = 0", "feature_a = 99", vec!["f-v 99/0", "the vertices, edges and faces of the two blocks"]),
         ("entrance_b = 0", "entrance_b = 4", vec!["the vertices, edges and faces of the two blocks"]),
     ] {

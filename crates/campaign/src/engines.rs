@@ -185,20 +185,21 @@ impl Engines {
     /// A panel with no engine that a finding is not about, and metamorphic checks only where it is about one: what it takes
     /// to see the finding again.
     pub fn panel_for(&self, finding: &Finding) -> EnginePanel {
-        self.narrow(&finding.scope, finding.difference.change)
+        self.narrow(&finding.scope, finding.difference.change, finding.needs_checks())
     }
 
-    /// The same for a finding about `who` with the given change. Whether answers are unstable nobody sees who asks once, so of such a finding external
+    /// The same for a finding about `scope` with the given change, which metamorphic checks show or not. Whether answers are unstable nobody sees who asks once, so of such a finding external
     /// engines are asked twice, whatever the configuration says.
-    pub fn narrow(&self, scope: &FindingScope, change: AnswerChange) -> EnginePanel {
+    fn narrow(&self, scope: &FindingScope, change: AnswerChange, needs_checks: bool) -> EnginePanel {
         let twice = change == AnswerChange::Unstable && !self.asked_twice.is_empty();
-        builtin::narrowed(if twice { self.with(&self.asked_twice) } else { self.named() }, scope, change)
+        builtin::narrowed(if twice { self.with(&self.asked_twice) } else { self.named() }, scope, needs_checks)
     }
 
     /// The same for a case; `None` where its change does not exist or its engine takes no part.
     pub fn panel_of(&self, case: &Case) -> Option<EnginePanel> {
-        let panel =
-            self.narrow(&FindingScope::from_name(&case.about.engine), AnswerChange::from_name(&case.about.change)?);
+        let about = &case.about;
+        let scope = FindingScope::from_name(&about.engine);
+        let panel = self.narrow(&scope, AnswerChange::from_name(&about.change)?, about.checked_change().is_some());
         (!panel.engines.is_empty()).then_some(panel)
     }
 }

@@ -19,7 +19,7 @@ use super::explain::{ChainLink, explain, nearest_decisions};
 use super::external::protocol::completed;
 use super::finding::{Cause, DecidingDecision, Finding, FindingScope};
 use super::indexed_trace::IndexedTrace;
-use super::metamorphic;
+use super::metamorphic::{self, UnansweredCheck};
 use super::separation_state::ReportedState;
 use super::subject::{NamedSet, Subject};
 use super::transform::ExactBlocks;
@@ -82,6 +82,8 @@ pub struct WantedFindings<'w> {
     pub kind: &'w str,
     /// The name of the predicate that decided, empty for none; `None` for any.
     pub predicate: Option<&'w str>,
+    /// The name of the check whose changed pair had no usable answer; `None` for the pair as it stands.
+    pub check: Option<&'w str>,
 }
 
 impl WantedFindings<'_> {
@@ -98,6 +100,11 @@ impl WantedFindings<'_> {
     /// Whether a difference is such a one; a metamorphic check calls it by `change`.
     pub(super) fn includes(&self, change: AnswerChange, difference: &Difference) -> bool {
         change.name() == self.change && (self.kind.is_empty() || difference.kinds() == self.kind)
+    }
+
+    /// Whether the check of this name can bring such a one.
+    pub(super) fn is_of_check(&self, check: AnswerChange) -> bool {
+        self.check.unwrap_or(self.change) == check.name()
     }
 
     /// Whether a difference that this decided can be such a one.
@@ -313,6 +320,7 @@ impl<'p> Examiner<'p> {
             deciding,
             comparison: None,
             note: None,
+            check: None,
         });
     }
 
@@ -327,6 +335,16 @@ impl<'p> Examiner<'p> {
         self.report(set, scope, cause, Difference { change, before: None, after: None }, None);
         if let Some(last) = self.found.findings.last_mut() {
             last.note = Some(note);
+        }
+    }
+
+    /// Reports the changed pairs that an engine gave no usable answer to.
+    fn report_unanswered(&mut self, at: &EngineAt<'_>, scope: &FindingScope, unanswered: Vec<UnansweredCheck>) {
+        for UnansweredCheck { check, change, note } in unanswered {
+            self.report_failure(at.set, scope.clone(), at.engine.cause(), change, note);
+            if let Some(last) = self.found.findings.last_mut() {
+                last.check = Some(check);
+            }
         }
     }
 
@@ -489,6 +507,7 @@ impl<'p> Examiner<'p> {
             for (cause, difference, deciding) in checks.violations {
                 self.report(at.set, scope.clone(), cause, difference, deciding);
             }
+            self.report_unanswered(at, &scope, checks.unanswered);
         }
     }
 
@@ -556,6 +575,7 @@ impl<'p> Examiner<'p> {
                 last.comparison = Some(comparison);
             }
         }
+        self.report_unanswered(at, scope, judgement.unanswered);
     }
 }
 

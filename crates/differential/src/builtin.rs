@@ -1,7 +1,6 @@
 //! The built-in engines and the oracle behind the campaign's traits.
 
 use super::attribution::EnginePanel;
-use super::compare::AnswerChange;
 use super::engine::{
     Engine, EngineFailure, ExactAnswer, ExactPair, ExactPrepared, Levels, Oracle, Prepared, Trace, WideAnswer,
 };
@@ -168,17 +167,12 @@ pub fn panel(names: &[String], metamorphic_every: u64) -> Result<EnginePanel, St
 /// A panel with no engine that a finding is not about, and metamorphic checks only where it is about one: what it takes to
 /// see the finding again.
 pub fn panel_for(names: &[String], finding: &Finding) -> EnginePanel {
-    narrow_panel(names, &finding.scope, finding.difference.change)
+    narrowed(names.iter().filter_map(|n| engine(n)).collect(), &finding.scope, finding.needs_checks())
 }
 
-/// The same for a finding about `who` with the given change.
-pub fn narrow_panel(names: &[String], scope: &FindingScope, change: AnswerChange) -> EnginePanel {
-    narrowed(names.iter().filter_map(|n| engine(n)).collect(), scope, change)
-}
-
-/// The same of engines at hand. What tolerances or rounding the input do shows with any engine of the precision, so
+/// The same of engines at hand, for a finding about `scope` that metamorphic checks show or not. What tolerances or rounding the input do shows with any engine of the precision, so
 /// a built-in one stands for them all: it answers at once.
-pub fn narrowed(mut engines: Vec<Box<dyn Engine>>, scope: &FindingScope, change: AnswerChange) -> EnginePanel {
+pub fn narrowed(mut engines: Vec<Box<dyn Engine>>, scope: &FindingScope, needs_checks: bool) -> EnginePanel {
     engines.retain(|engine| match scope {
         FindingScope::Any => true,
         FindingScope::Rounded(precision) => engine.precision() == *precision,
@@ -188,5 +182,5 @@ pub fn narrowed(mut engines: Vec<Box<dyn Engine>>, scope: &FindingScope, change:
         let finest = if engines.iter().any(|e| e.precision() == Precision::F64) { ENGINES[1] } else { ENGINES[0] };
         engines = if engines.is_empty() { Vec::new() } else { engine(finest).into_iter().collect() };
     }
-    EnginePanel { oracle: Box::new(BuiltinOracle), engines, metamorphic_every: u64::from(change.is_metamorphic()) }
+    EnginePanel { oracle: Box::new(BuiltinOracle), engines, metamorphic_every: u64::from(needs_checks) }
 }

@@ -109,9 +109,16 @@ pub struct Finding {
     pub comparison: Option<StateComparison>,
     /// What the engine said when it gave no answer.
     pub note: Option<String>,
+    /// The check whose changed pair the engine gave no usable answer to, where it gave one to the pair as it stands.
+    pub check: Option<AnswerChange>,
 }
 
 impl Finding {
+    /// Whether metamorphic checks have to be made to see it.
+    pub fn needs_checks(&self) -> bool {
+        self.difference.change.is_metamorphic() || self.check.is_some()
+    }
+
     /// The kind of the contact the finding is about: before the change, or else after it.
     pub fn kind(&self) -> Option<ContactKind> {
         self.difference.contact().map(|c| c.kind())

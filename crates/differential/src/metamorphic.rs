@@ -8,7 +8,7 @@
 use super::attribution::{WantedFindings, answers_differ, engine_trace, expected};
 use super::collision;
 use super::compare::{AnswerChange, Difference, Features, differences};
-use super::engine::{Engine, Oracle, Prepared, catch_panic};
+use super::engine::{Engine, EngineFailure, Oracle, Prepared, catch_panic};
 use super::explain::{ChainLink, explain, nearest_decisions};
 use super::external::protocol::completed;
 use super::finding::{Cause, DecidingDecision};
@@ -53,24 +53,53 @@ pub struct MetamorphicResult {
     pub made: u64,
     /// The violations, with cause arithmetic or defect.
     pub violations: Vec<(Cause, Difference, Option<DecidingDecision>)>,
+    /// The changed pairs that the engine gave no usable answer to.
+    pub unanswered: Vec<UnansweredCheck>,
+}
+
+/// An engine that answers about a pair gave no usable answer about the same pair changed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnansweredCheck {
+    /// The check.
+    pub check: AnswerChange,
+    /// What a finding about such a failure is called.
+    pub change: AnswerChange,
+    /// How the pair was changed, and what the engine said.
+    pub note: String,
+}
+
+impl UnansweredCheck {
+    /// Of a failure; `None` where the engine says that it cannot do the changed pair, or rounding destroyed that.
+    pub(super) fn of(check: AnswerChange, words: &str, failure: &EngineFailure) -> Option<UnansweredCheck> {
+        let change = failure.change();
+        change.is_unusable().then(|| UnansweredCheck { check, change, note: format!("with {words}: {failure}") })
+    }
 }
 
 /// Makes all checks on a pair.
 pub fn check(base: &MetamorphicBase<'_>) -> MetamorphicResult {
     let mut checks = MetamorphicResult::default();
     for transform in Transform::ALL {
-        if base.wanted.is_some_and(|wanted| wanted.change != transform.change().name()) {
+        if base.wanted.is_some_and(|wanted| !wanted.is_of_check(transform.change())) {
             continue;
         }
         if let Some(other) = transform.apply(base.pair, base.blocks, base.tolerances, base.engine.precision()) {
             checks.made += 1;
-            compare(base, transform.change(), &other, &mut checks);
+            compare(base, transform, &other, &mut checks);
         }
     }
     if let Some(far) = far_away(base.blocks, base.tolerances, base.engine.precision()) {
         checks.made += 1;
         for (a, b) in [(&base.blocks[0], &far), (&far, &base.blocks[0])] {
-            let answer = catch_panic(|| base.engine.prepare(a, b)?.classify(base.tolerances)).unwrap_or_default();
+            let answer = match catch_panic(|| base.engine.prepare(a, b)?.classify(base.tolerances)) {
+                Ok(answer) => answer,
+                Err(failure) => {
+                    let words = far_words(&base.blocks[1], &far);
+                    checks.unanswered.extend(UnansweredCheck::of(AnswerChange::FarBlock, &words, &failure));
+                    // The other way round it is the same finding.
+                    break;
+                }
+            };
             let invented = answer.into_iter().map(|contact| {
                 let difference = Difference { change: AnswerChange::FarBlock, before: None, after: Some(contact) };
                 (base.engine.cause(), difference, None)
@@ -100,41 +129,63 @@ impl ChangedPairs {
         precision: Precision,
         says_state: bool,
     ) -> Option<ChangedPairs> {
-        let moved_m = |before: &Block, after: &Block| {
-            let [before, after] = [before, after].map(|block| block.vertices()[0].x.approximate());
-            after - before
-        };
         if change == AnswerChange::FarBlock.name() {
             let [a, b] = blocks;
             let far = match says_state {
                 true => collision::far_away(blocks, precision),
                 false => far_away(blocks, tolerances, precision),
             }?;
-            let words = format!("B moved by {:?} m along x", moved_m(b, &far));
+            let words = far_words(b, &far);
             let pair = Transformed::unchanged([a.clone(), far]);
             let pairs = if says_state { vec![pair] } else { vec![pair.clone(), pair.exchanged()] };
             return Some(ChangedPairs { words, pairs });
         }
         let transform = Transform::ALL.into_iter().find(|transform| transform.change().name() == change)?;
         let pair = transform.apply(exact, blocks, tolerances, precision)?;
-        let words = match transform {
-            Transform::Swap => "A and B exchanged".to_owned(),
-            Transform::Renumber => "vertices and faces numbered backwards".to_owned(),
-            Transform::Translate => {
-                format!("both blocks moved by {:?} m along each axis", moved_m(&blocks[0], &pair.blocks[0]))
-            }
-            Transform::Scale => "all lengths, those of the tolerances too, divided by 128".to_owned(),
-        };
+        let words = words(transform, blocks, &pair.blocks);
         Some(ChangedPairs { words, pairs: vec![pair] })
     }
 }
 
-fn compare(base: &MetamorphicBase<'_>, change: AnswerChange, other: &Transformed, checks: &mut MetamorphicResult) {
+/// How a pair was changed.
+pub(super) fn words(transform: Transform, before: &[Block; 2], after: &[Block; 2]) -> String {
+    match transform {
+        Transform::Swap => "A and B exchanged".to_owned(),
+        Transform::Renumber => "vertices and faces numbered backwards".to_owned(),
+        Transform::Translate => {
+            format!("both blocks moved by {:?} m along each axis", moved_m(&before[0], &after[0]))
+        }
+        Transform::Scale => "all lengths, those of the tolerances too, divided by 128".to_owned(),
+    }
+}
+
+/// The same of a block far away.
+pub(super) fn far_words(b: &Block, far: &Block) -> String {
+    format!("B moved by {:?} m along x", moved_m(b, far))
+}
+
+fn moved_m(before: &Block, after: &Block) -> f64 {
+    let [before, after] = [before, after].map(|block| block.vertices()[0].x.approximate());
+    after - before
+}
+
+fn compare(base: &MetamorphicBase<'_>, transform: Transform, other: &Transformed, checks: &mut MetamorphicResult) {
+    let change = transform.change();
     let tolerances = other.tolerances(base.tolerances);
     let [a, b] = &other.blocks;
-    // An engine that fails here failed on the pair itself, which is a finding already, or says so on its own account.
-    let Ok(prepared) = catch_panic(|| base.engine.prepare(a, b)) else { return };
-    let Ok(answer) = catch_panic(|| prepared.classify(&tolerances)) else { return };
+    let prepared = catch_panic(|| base.engine.prepare(a, b));
+    let answer = prepared.and_then(|prepared| {
+        let answer = catch_panic(|| prepared.classify(&tolerances))?;
+        Ok((prepared, answer))
+    });
+    let (prepared, answer) = match answer {
+        Ok(answered) => answered,
+        Err(failure) => {
+            let words = words(transform, base.blocks, &other.blocks);
+            checks.unanswered.extend(UnansweredCheck::of(change, &words, &failure));
+            return;
+        }
+    };
     let answer = other.to_original(&answer);
     // What either answer leaves unsaid is not compared.
     let contacts = completed(base.contacts.to_vec(), &answer);

@@ -1,9 +1,8 @@
-//! Cases that are about how an engine contradicts itself: it is asked about the changed pair too.
+//! Cases that are about how an engine contradicts itself, or gives no usable answer once the pair is changed: it is asked about the changed pair too.
 
 use super::CheckStatus;
 use rockproof_differential::attribution::{EnginePanel, WantedFindings, findings_wanted};
 use rockproof_differential::case_file::{Case, ChangedAnswer, ChangedAnswers, ContactRow, contact_rows};
-use rockproof_differential::compare::AnswerChange;
 use rockproof_differential::engine::{Answer, Engine, EngineFailure};
 use rockproof_differential::finding::{Cause, Finding};
 
@@ -15,7 +14,7 @@ pub(crate) struct PairVerdict {
     pub(crate) is_recorded: bool,
 }
 
-/// What an engine says of the pair of a case that is about how it contradicts itself, changed as the case says.
+/// What an engine says of the pair of a case that is about a changed pair, changed as the case says.
 pub(crate) struct Contradiction {
     /// What was changed; `None` where the pair cannot be changed so.
     words: Option<String>,
@@ -28,10 +27,10 @@ pub(crate) struct Contradiction {
 }
 
 impl Contradiction {
-    /// Of the engine of a case, and what it says of the pair as it stands; `None` of a case that is about no contradiction.
+    /// Of the engine of a case, and what it says of the pair as it stands; `None` of a case that is about no changed pair.
     pub(crate) fn of(case: &Case, panel: &EnginePanel, engine: &dyn Engine, answer: &Answer) -> Option<Contradiction> {
         let about = &case.about;
-        AnswerChange::from_name(&about.change).filter(|change| change.is_metamorphic())?;
+        about.checked_change()?;
         let says_state = matches!(answer, Answer::State(_));
         let Some(ChangedAnswers { words, answers }) = case.changed_answers(engine, &*panel.oracle, says_state) else {
             return Some(Contradiction { words: None, failure: None, said: None, found: Vec::new() });
@@ -42,11 +41,16 @@ impl Contradiction {
             [ChangedAnswer { said: Ok(Answer::Contacts(contacts)), .. }] => Some(contact_rows(contacts)),
             _ => None,
         };
-        let wanted = WantedFindings { cause: &about.cause, change: &about.change, kind: "", predicate: None };
+        let wanted =
+            WantedFindings { cause: &about.cause, change: &about.change, kind: "", predicate: None, check: None };
         let is_such = |finding: &Finding| {
             finding.difference.change.name() == about.change && finding.scope.to_string() == about.engine
         };
-        let found = findings_wanted(&case.subject(), panel, wanted).into_iter().filter(is_such).collect();
+        let found = if about.check.is_some() {
+            Vec::new()
+        } else {
+            findings_wanted(&case.subject(), panel, wanted).into_iter().filter(is_such).collect()
+        };
         Some(Contradiction { words: Some(words), failure, said, found })
     }
 
@@ -62,15 +66,23 @@ impl Contradiction {
             };
         };
         if let Some(failure) = self.failure.as_ref().filter(|failure| is_mistake(failure)) {
+            if about.check.is_some() && failure.change().name() == about.change {
+                return match of_pair.0 {
+                    CheckStatus::Pass => (CheckStatus::Pass, "as recorded".to_owned()),
+                    CheckStatus::Fail | CheckStatus::Skip => of_pair,
+                };
+            }
             return (CheckStatus::Fail, format!("{engine} gives no answer to the pair with {words}: {failure}"));
         }
+        let doubted = match about.check {
+            Some(_) => format!("the {} of {engine} is mended", about.change),
+            None => format!("{engine} contradicts itself"),
+        };
         let Some(first) = self.found.first() else {
             return match self.failure {
                 Some(failure) if of_pair.0 != CheckStatus::Fail => (
                     CheckStatus::Skip,
-                    format!(
-                        "whether {engine} contradicts itself is not known: it gives no answer to the pair with {words}: {failure}"
-                    ),
+                    format!("whether {doubted} is not known: it gives no answer to the pair with {words}: {failure}"),
                 ),
                 _ => of_pair,
             };
@@ -118,8 +130,7 @@ fn failure(said: &Result<Answer, EngineFailure>, says_state: bool) -> Option<Eng
     }
 }
 
-/// Whether giving no answer to the changed pair is a mistake. A campaign has no finding where an engine says that it cannot do that pair; of what it gives
-/// instead of answers the end of a campaign tells.
+/// Whether giving no answer to the changed pair is a mistake. A campaign has no finding where an engine says that it cannot do that pair.
 fn is_mistake(failure: &EngineFailure) -> bool {
     failure.change().is_unusable()
 }

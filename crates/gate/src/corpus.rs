@@ -161,7 +161,7 @@ fn judge(case: &Case, engines: &Engines) -> (CheckStatus, String) {
             let Some(engine) = panel.engines.first() else { return (CheckStatus::Skip, "no engine".to_owned()) };
             let answer = match catch_panic(|| engine.prepare(&a, &b)?.answer(&t)) {
                 Ok(answer) => answer,
-                Err(failure) if failure.change().name() == about.change => {
+                Err(failure) if failure.change().name() == about.change && about.check.is_none() => {
                     return (CheckStatus::Pass, "as recorded".to_owned());
                 }
                 Err(failure) => return (CheckStatus::Fail, failure.to_string()),
@@ -193,7 +193,7 @@ fn judge(case: &Case, engines: &Engines) -> (CheckStatus, String) {
 /// What the contacts named of the pair as it stands come to.
 fn judge_contacts(said: &[ContactRow], about: &CaseDescription) -> PairVerdict {
     // A case about how blocks lie records no contacts.
-    let is_recorded = said == about.found && about.states.is_none();
+    let is_recorded = said == about.found && about.states.is_none() && about.found_state.is_none();
     let (status, message) = if said == about.expected {
         (CheckStatus::Pass, "the engine agrees".to_owned())
     } else if about.cause == "defect" {
@@ -211,7 +211,8 @@ fn judge_state(query: &CollisionQuery<'_>, said: ReportedState, about: &CaseDesc
     let CaseDescription { change, engine, .. } = about;
     let is_judged = |change: AnswerChange| change.is_of_states() || change.is_metamorphic() || !change.is_of_answers();
     let is_contradiction = about.is_contradiction_of_states();
-    let recorded = if is_contradiction { about.found_state.as_deref() } else { about.said_state() };
+    let is_of_changed_pair = is_contradiction || about.check.is_some();
+    let recorded = if is_of_changed_pair { about.found_state.as_deref() } else { about.said_state() };
     let is_said = recorded.is_some_and(|recorded| recorded == said.to_string());
     let (is_recorded, status, message) = match query.compare(said) {
         None => {
@@ -236,7 +237,7 @@ fn judge_state(query: &CollisionQuery<'_>, said: ReportedState, about: &CaseDesc
             (false, CheckStatus::Skip, format!("{wrong}: {compared}; the case does not record what {engine} said"))
         }
         Some((Some(wrong), compared)) => {
-            let of = if is_contradiction { " of the pair as it stands" } else { "" };
+            let of = if is_of_changed_pair { " of the pair as it stands" } else { "" };
             (false, CheckStatus::Fail, format!("{wrong}: {compared}, which the case does not record{of}"))
         }
     };

@@ -254,7 +254,7 @@ pub(crate) fn run_campaign(
         Some(progress) => progress.call1(py, (counted(&seen.pairs), counted(&seen.findings))).map(drop),
     };
     let examined = interruptible_with(py, tick, |stop| {
-        let narrow = |finding: &Finding| builtin::narrowed(all(), &finding.scope, finding.difference.change);
+        let narrow = |finding: &Finding| builtin::narrowed(all(), &finding.scope, finding.needs_checks());
         let (config, source, panel) = (&config, &source, &panel);
         let campaign = Campaign { config, source, panel, narrow: &narrow, steppers: &[], threads };
         campaign.examine(stop, &seen)

@@ -88,7 +88,7 @@ fn findings_that_are_wanted_are_found_as_among_all() {
             let (cause, change, kind, predicate) = &sort;
             let such = |findings: &[Finding]| findings.iter().filter(|f| of(f) == sort).cloned().collect::<Vec<_>>();
             for predicate in [None, Some(*predicate)] {
-                let wanted = WantedFindings { cause, change, kind, predicate };
+                let wanted = WantedFindings { cause, change, kind, predicate, check: None };
                 let found = findings_wanted(&subject, &panel, wanted);
                 left_out += all.len() - found.len();
                 assert_eq!(such(&found), such(&all), "pair {}, {sort:?} by {predicate:?}", subject.index);

@@ -38,7 +38,8 @@ impl Case {
         let blocks = [self.a.rounded(precision)?, self.b.rounded(precision)?];
         let tolerances = self.tolerances.rounded(precision).ok()?;
         let exact = ExactBlocks::new([&self.a, &self.b]);
-        let changed = ChangedPairs::of(&self.about.change, &exact, &blocks, &tolerances, precision, says_state)?;
+        let check = self.about.checked_change()?;
+        let changed = ChangedPairs::of(check.name(), &exact, &blocks, &tolerances, precision, says_state)?;
         let ask = |pair: Transformed| {
             let ([a, b], tolerances) = (&pair.blocks, pair.tolerances(&tolerances));
             let right = oracle.prepare(a, b).pair().classify(&tolerances).contacts;

@@ -37,11 +37,13 @@ pub struct CaseDescription {
     /// What the engine said when it gave no answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
+    /// How the pair was changed (`swap`, `renumber`, `translate`, `scale`, `far-block`) where the engine gave no usable answer only then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub check: Option<String>,
     /// How the blocks lie and how the engine says they do, where it says only that: `apart 0.5, said overlapping -0.1`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub states: Option<String>,
-    /// What such an engine says of the pair as it stands, where `states` is about the same pair changed: one that contradicts itself. Cases of earlier
-    /// versions do not tell.
+    /// What such an engine says of the pair as it stands, where the case is about the same pair changed. Cases of earlier versions do not tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub found_state: Option<String>,
     /// The contacts before the link that is the cause: under tolerance the exact ones without tolerances, under
@@ -63,6 +65,17 @@ impl CaseDescription {
     /// Whether it is about an engine that says only how blocks lie, and otherwise once the pair is changed.
     pub fn is_contradiction_of_states(&self) -> bool {
         self.states.is_some() && AnswerChange::from_name(&self.change).is_some_and(AnswerChange::is_metamorphic)
+    }
+
+    /// Whether it may have `found_state`.
+    pub(super) fn can_have_found_state(&self) -> bool {
+        self.check.is_some() || self.is_contradiction_of_states()
+    }
+
+    /// How the pair is changed that it is about; `None` where it is about the pair as it stands.
+    pub fn checked_change(&self) -> Option<AnswerChange> {
+        let name = self.check.as_ref().unwrap_or(&self.change);
+        AnswerChange::from_name(name).filter(|change| change.is_metamorphic())
     }
 
     /// The contacts of all lists.

@@ -154,6 +154,12 @@ impl Case {
         }
         known("cause", &about.cause, &Cause::ALL.map(Cause::name))?;
         known("change", &about.change, &AnswerChange::ALL.map(AnswerChange::name))?;
+        if let Some(check) = &about.check {
+            let checks = AnswerChange::ALL.into_iter().filter(|change| change.is_metamorphic());
+            known("check", check, &checks.map(AnswerChange::name).collect::<Vec<_>>())?;
+            let unusable = AnswerChange::ALL.into_iter().filter(|change| change.is_unusable());
+            known("change", &about.change, &unusable.map(AnswerChange::name).collect::<Vec<_>>())?;
+        }
         if about.kind.split(" to ").any(|kind| !kind.is_empty() && ContactKind::from_name(kind).is_none()) {
             known("kind", &about.kind, &ContactKind::ALL.map(ContactKind::name))?;
         }
@@ -162,10 +168,10 @@ impl Case {
         }
         if let Some(said) = &about.found_state {
             let allowed = match ReportedState::from_text(said) {
-                Some(_) if about.is_contradiction_of_states() => None,
-                Some(_) => {
-                    Some("none without states and a change of the pair: swap, renumber, translate, scale, far-block")
-                }
+                Some(_) if about.can_have_found_state() => None,
+                Some(_) => Some(
+                    "none without states and a change of the pair (swap, renumber, translate, scale, far-block), or a check",
+                ),
                 None => {
                     Some("apart, touching and overlapping, each alone or as in \"apart 0.5 m along (1.0, 0.0, 0.0)\"")
                 }

@@ -11,6 +11,7 @@ pub use description::CaseDescription;
 pub use file::CaseError;
 
 use super::attribution::{EnginePanel, WantedFindings, findings_wanted};
+use super::compare::AnswerChange;
 use super::engine::{Answer, catch_panic};
 use super::external::protocol::completed;
 use super::finding::{Cause, Finding, FindingScope};
@@ -53,6 +54,7 @@ impl Case {
                 margin_ulps: None,
                 origin,
                 note: None,
+                check: None,
                 states: None,
                 found_state: None,
                 expected: Vec::new(),
@@ -85,10 +87,17 @@ impl Case {
         let about = &self.about;
         // What is nearest to a tie says nothing about an engine from outside.
         let predicate = (about.cause != Cause::Engine.name()).then_some(about.predicate.as_str());
-        let wanted = WantedFindings { cause: &about.cause, change: &about.change, kind: &about.kind, predicate };
+        let wanted = WantedFindings {
+            cause: &about.cause,
+            change: &about.change,
+            kind: &about.kind,
+            predicate,
+            check: about.check.as_deref(),
+        };
         let alike = |f: &Finding| {
             f.cause.name() == about.cause
                 && f.difference.change.name() == about.change
+                && f.check.map(AnswerChange::name) == about.check.as_deref()
                 && (about.kind.is_empty() || f.difference.kinds() == about.kind)
                 && predicate.is_none_or(|name| f.predicate().map_or("", Predicate::name) == name)
                 // With one engine left, what a tolerance set for one precision does is the doing of all there are.
@@ -104,11 +113,12 @@ impl Case {
         self.about.margin = finding.margin();
         self.about.margin_ulps = finding.margin_ulps();
         self.about.note = finding.note.clone();
+        self.about.check = finding.check.map(|check| check.to_string());
         self.about.states = finding.comparison.map(|m| m.to_string());
         let (answers, state) = self.answers(finding, panel);
         [self.about.expected, self.about.found] = answers.map(|contacts| contact_rows(&contacts));
-        self.about.found_state = state.filter(|_| self.about.is_contradiction_of_states()).map(|said| said.to_string());
-        let is_outside = finding.cause == Cause::Engine;
+        self.about.found_state = state.filter(|_| self.about.can_have_found_state()).map(|said| said.to_string());
+        let is_outside = finding.cause == Cause::Engine && finding.check.is_none();
         let engine =
             panel.engines.iter().find(|e| is_outside && finding.scope == FindingScope::Engine(e.name().into()));
         let changed =

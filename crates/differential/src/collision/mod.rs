@@ -7,6 +7,7 @@ mod slab;
 
 use super::compare::AnswerChange;
 use super::engine::{Answer, Engine, catch_panic};
+use super::metamorphic::{UnansweredCheck, far_words, words};
 use super::separation_state::{ReportedState, SeparationState, StateComparison};
 use super::transform::{ExactBlocks, Transform};
 use rockproof_model::{Block, Number, Point, Precision, ToleranceSet};
@@ -84,6 +85,8 @@ pub struct CollisionCheckResult {
     pub wrong: Vec<(AnswerChange, StateComparison)>,
     /// Metamorphic checks made.
     pub made: u64,
+    /// The changed pairs that the engine gave no usable answer to.
+    pub unanswered: Vec<UnansweredCheck>,
 }
 
 impl CollisionCheck<'_> {
@@ -108,15 +111,21 @@ impl CollisionCheck<'_> {
         for transform in Transform::ALL {
             if let Some(other) = transform.apply(self.exact, self.blocks, self.tolerances, asked.precision) {
                 judgement.made += 1;
-                let again = self.ask(&other.blocks, &other.tolerances(self.tolerances));
+                let check = transform.change();
+                let words = || words(transform, self.blocks, &other.blocks);
+                let tolerances = other.tolerances(self.tolerances);
+                let again = self.ask(&other.blocks, &tolerances, check, &words, &mut judgement.unanswered);
                 if let Some(again) = again.filter(|again| again.state != reported.state) {
-                    judgement.wrong.push((transform.change(), StateComparison { reported: again, ..comparison }));
+                    judgement.wrong.push((check, StateComparison { reported: again, ..comparison }));
                 }
             }
         }
         if let Some(far) = far_away(self.blocks, asked.precision) {
             judgement.made += 1;
-            let again = self.ask(&[self.blocks[0].clone(), far], self.tolerances);
+            let [a, b] = self.blocks;
+            let words = far_words(b, &far);
+            let (pair, check) = ([a.clone(), far], AnswerChange::FarBlock);
+            let again = self.ask(&pair, self.tolerances, check, &|| words.clone(), &mut judgement.unanswered);
             if let Some(again) = again.filter(|again| again.state != SeparationState::Apart) {
                 judgement.wrong.push((
                     AnswerChange::FarBlock,
@@ -127,11 +136,22 @@ impl CollisionCheck<'_> {
         judgement
     }
 
-    /// The engine's answer about another pair; `None` where it fails, which is a finding where it fails on the pair itself.
-    fn ask(&self, [a, b]: &[Block; 2], tolerances: &ToleranceSet) -> Option<ReportedState> {
+    /// The engine's answer about the changed pair of a check; `None` where it says nothing of how the blocks lie.
+    fn ask(
+        &self,
+        [a, b]: &[Block; 2],
+        tolerances: &ToleranceSet,
+        check: AnswerChange,
+        words: &dyn Fn() -> String,
+        unanswered: &mut Vec<UnansweredCheck>,
+    ) -> Option<ReportedState> {
         match catch_panic(|| self.engine.prepare(a, b)?.answer(tolerances)) {
             Ok(Answer::State(reported)) => Some(reported),
-            _ => None,
+            Ok(Answer::Contacts(_)) => None,
+            Err(failure) => {
+                unanswered.extend(UnansweredCheck::of(check, &words(), &failure));
+                None
+            }
         }
     }
 }

@@ -87,6 +87,7 @@ impl Disagreement {
             margin_ulps: None,
             origin: format!("{} {} under {set}, seed {seed}, index {}", row.family, row.form, row.index),
             note: Some(note(deviation.path, deviation.note.as_deref())),
+            check: None,
             states: None,
             found_state: None,
             expected: contact_rows(&deviation.expected),
