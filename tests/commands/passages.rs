@@ -49,7 +49,9 @@ fn a_passage_is_found_denied_kept_and_replayed() {
 
 /// What a run with passages says at its end, to programs and in a pull request: how many, why, which to replay; and nothing is called well.
 fn the_end_names_them(dir: &Path, out: &str) {
-    let line = out.lines().find(|line| line.contains(" passages and ") && line.contains(" watched steps (by cause: "));
+    let line = out
+        .lines()
+        .find(|line| line.contains(" passages and ") && line.contains(" where engines share it, by cause: "));
     let line = line.unwrap_or_else(|| panic!("no line on passages in\n{out}"));
     let (_, case) = line.split_once("worst: case ").expect("a case");
     let (case, _) = case.split_once(')').expect("its end");
@@ -70,7 +72,9 @@ fn the_end_names_them(dir: &Path, out: &str) {
     // Nothing was classified, so there is no empty chart of how often that is right.
     let titles = ["How often is the answer right?", "And if the pairs move?"].map(|title| page.contains(title));
     assert_eq!(titles, [false, true]);
-    assert!(page.contains(" watched steps (by cause: ") && dir.join("page/latex/steps_passages.tex").is_file());
+    assert!(
+        page.contains(" where engines share it, by cause: ") && dir.join("page/latex/steps_passages.tex").is_file()
+    );
     // Findings that are gone must not make a run look well.
     let table = fs::read_to_string(dir.join("run/step_findings.csv")).expect("findings");
     let (shorter, _) = table.trim_end().rsplit_once('\n').expect("rows");
@@ -87,7 +91,7 @@ fn a_merge_names_passages_too() {
     fs::write(dir.join("settings.toml"), SETTINGS).expect("written");
     assert_eq!(rockproof(dir, &["campaign", "settings.toml", "--out", "part", "--part", "1/1"]).0, 0);
     let (code, out) = rockproof(dir, &["merge", "part", "--out", "whole"]);
-    assert!(code == 0 && out.contains(" watched steps (by cause: "), "{out}");
+    assert!(code == 0 && out.contains(" where engines share it, by cause: "), "{out}");
     assert!(out.contains("rockproof replay whole/cases/step-") && !out.contains("No difference"), "{out}");
 }
 
@@ -110,10 +114,11 @@ fn a_gate_limits_passages_by_count_and_rate() {
     ] {
         let ran = gate(dir.path(), &format!("{campaign}{limit}"), &[], false);
         assert_eq!(ran.code, code, "{limit}: {}{}", ran.out, ran.err);
-        let told = ran
-            .out
-            .lines()
-            .any(|line| line.starts_with("fixed campaign: ") && line.contains(" in 16 watched steps (by cause: "));
+        let told = ran.out.lines().any(|line| {
+            line.starts_with("fixed campaign: ")
+                && line.contains(" in 16 watched steps (")
+                && line.contains(", by cause: ")
+        });
         assert_eq!(told, code != 2, "{limit}: {}", ran.out);
     }
     let ran = rockproof(dir.path(), &["campaign", "--family", "passage", "--steps-every", "0"]);

@@ -32,7 +32,13 @@ pub fn step_line(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
     };
     let mut text = watched(&counts, &intrusions);
     if intrusions.total() > 0 {
-        text += &format!(" (by cause: {}{})", by_cause(&intrusions), worst(campaigns));
+        // The steps of each engine that makes one alike count above; what engines share is one finding.
+        let findings = counted(intrusions.total(), "finding", "findings");
+        text += &format!(
+            " ({findings}, one where engines share it, by cause: {}{})",
+            by_cause(&intrusions),
+            worst(campaigns)
+        );
     }
     if counts.watched > 0 && unwatched(&counts) > 0 {
         text += &format!("; {} could not be watched", counted(unwatched(&counts), "other step", "other steps"));

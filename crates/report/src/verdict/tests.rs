@@ -117,9 +117,14 @@ fn passages_are_told_with_causes_and_the_worst_and_nothing_is_called_well() {
     let counts = StepCounts { passages_stepper: 2, unseen_stepper: 1, ..watched() };
     let lines = lines_of(campaign(&[], &[], &rows.each_ref().map(String::as_str), counts));
     assert!(lines.iter().all(|line| line.severity == Severity::Fair), "{lines:?}");
-    let told = "2 passages and 1 unseen overlap in 8 watched steps (by cause: arithmetic 1, not-held 1, step-length 1; worst: case cases/held.json); \
+    let told = "2 passages and 1 unseen overlap in 8 watched steps (3 findings, one where engines share it, by cause: arithmetic 1, not-held 1, step-length 1; worst: case cases/held.json); \
                 1 other finding in steps (tolerance 1, mostly iterations).";
     assert!(has(&lines, Severity::Fair, told) && has(&lines, Severity::Fair, "No pair was classified"), "{lines:?}");
+    // A passage that both engines make is one finding.
+    let counts_of_both = StepCounts { passages_stepper: 4, ..counts };
+    let lines = lines_of(campaign(&[], &[], &rows.each_ref().map(String::as_str), counts_of_both));
+    let told = "4 passages and 1 unseen overlap in 8 watched steps (3 findings, one where engines share it, by cause: ";
+    assert!(has(&lines, Severity::Fair, told), "{lines:?}");
     // A mistake in code comes before all else, and is bad whatever contacts say.
     let defect = step("defect", "unseen", "cases/defect.json");
     let counts = StepCounts { defect: 1, ..counts };
