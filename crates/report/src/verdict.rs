@@ -180,7 +180,8 @@ fn right(campaigns: &[CampaignRun]) -> VerdictLine {
             let again = again.map_or(String::new(), |told| format!(", but {told}"));
             let name = if campaigns.len() > 1 { format!("{engine} ({})", campaign.name) } else { engine };
             let [value, low, high] = [share.value, share.low, share.high].map(percent);
-            words.push(format!("{name} {value} ({low} to {high}){silent}{supported}{unsaid}{again}"));
+            let of = counted(counts.pairs, "comparison", "comparisons");
+            words.push(format!("{name} {value} of {of} ({low} to {high}){silent}{supported}{unsaid}{again}"));
         }
     }
     words.truncate(4);
