@@ -382,6 +382,11 @@ impl CampaignRun {
         Some(format!("part {number} of {of}"))
     }
 
+    /// Whether pairs are left that are neither of another part nor of one that a merge did without.
+    pub fn is_interrupted(&self) -> bool {
+        !self.run.finished && self.run.configuration.get("parts").is_none()
+    }
+
     /// The engines, in order.
     pub fn engines(&self) -> Vec<String> {
         let of = self.agreement.iter().filter(|(_, c, _)| matches!(c.span, ChainSpan::Arithmetic | ChainSpan::Whole));

@@ -8,7 +8,7 @@ use super::load::{CampaignRun, Results, agreeing_share};
 use super::motion_verdict::{cut_line, doubt_lines, lockstep_lines, motion_line};
 use super::safe_levels::{SafeLevels, safe_levels};
 use super::step_verdict::step_line;
-use super::table::{counted, label, percent};
+use super::table::{counted, grouped, label, percent};
 use rockproof_campaign::stress::PairAlignment;
 use rockproof_differential::agreement::{AgreementCounts, ChainSpan};
 use rockproof_differential::engine::EngineCounts;
@@ -48,7 +48,8 @@ const MAX_LINES: usize = 4;
 pub fn verdict(results: &Results) -> Vec<VerdictLine> {
     let mut lines = Vec::new();
     let external = external_findings::lines(&results.campaigns);
-    let most = MAX_LINES + external.len();
+    let unfinished = unfinished(&results.campaigns);
+    let most = MAX_LINES + external.len() + usize::from(unfinished.is_some());
     if !results.campaigns.is_empty() && counted_pairs(&results.campaigns) == 0 && results.stresses.is_empty() {
         // No engine is to blame where a campaign was interrupted before it knew anything.
         lines.extend(mistakes(&results.campaigns));
@@ -66,6 +67,7 @@ pub fn verdict(results: &Results) -> Vec<VerdictLine> {
         lines.retain(|line| line.severity == Severity::Bad);
         lines.splice(..0, stress(results).into_iter().chain(external));
     }
+    lines.splice(..0, unfinished);
     lines.extend(lockstep_lines(&results.locksteps));
     match motion_line(&results.motions) {
         // Blocks that pass through one another come before everything else.
@@ -83,6 +85,22 @@ pub fn verdict(results: &Results) -> Vec<VerdictLine> {
         lines.remove(last);
     }
     lines
+}
+
+/// That campaigns were not made to their end, so that what follows may change; `None` where all were, or where nothing is known yet.
+fn unfinished(campaigns: &[CampaignRun]) -> Option<VerdictLine> {
+    let of = |campaign: &CampaignRun| {
+        let all = campaign.run.configuration.get("pairs").and_then(|pairs| pairs.as_u64());
+        let all =
+            all.filter(|_| campaign.part().is_none()).map_or(String::new(), |all| format!(" of {}", grouped(all)));
+        let name = if campaigns.len() > 1 { format!("{}, ", campaign.name) } else { String::new() };
+        format!("{name}interrupted after {}{all} pairs", grouped(campaign.run.pairs))
+    };
+    let are: Vec<String> =
+        campaigns.iter().filter(|campaign| campaign.is_interrupted() && campaign.run.pairs > 0).map(of).collect();
+    let words = are.join("; ");
+    (!are.is_empty())
+        .then(|| line(Severity::Fair, format!("Not finished ({words}): the rest is about these pairs alone.")))
 }
 
 /// What was measured, where there is nothing else.

@@ -199,6 +199,35 @@ fn code_that_never_answered_is_not_called_free_of_mistakes() {
     assert!(has(&lines, Severity::Good, "No mistake in code of stepper-f64 was found in 300 pairs."), "{lines:?}");
 }
 
+/// Its lines look final otherwise.
+#[test]
+fn a_campaign_that_was_interrupted_is_said_to_be_before_all_else() {
+    let interrupted = || {
+        let mut run = campaign(&BOTH, &[], &[], watched());
+        run.run.finished = false;
+        run.run.configuration.insert("pairs".to_owned(), 60_000.into());
+        run
+    };
+    let lines = lines_of(interrupted());
+    let told = "Not finished (interrupted after 300 of 60\u{202f}000 pairs): the rest is about these pairs alone.";
+    assert!(lines[0].severity == Severity::Fair && lines[0].text == told, "{lines:?}");
+    // It takes the place of no other line.
+    assert_eq!(lines[1..], lines_of(campaign(&BOTH, &[], &[], watched()))[..]);
+    let mut part = interrupted();
+    part.run.configuration.insert("part".to_owned(), "1/2".into());
+    assert!(lines_of(part)[0].text.starts_with("Not finished (interrupted after 300 pairs)"), "of the part's own");
+    // A merge that does without parts says so elsewhere, and one before its first pair is not final anyhow.
+    let mut merged = interrupted();
+    merged.run.configuration.insert("parts".to_owned(), "1 of 2".into());
+    assert!(!lines_of(merged)[0].text.contains("Not finished"));
+    let mut begun = interrupted();
+    begun.run.pairs = 0;
+    assert!(!lines_of(begun).iter().any(|line| line.text.contains("Not finished")));
+    let both = [interrupted(), campaign(&BOTH, &[], &[], watched())];
+    let lines = verdict(&Results { campaigns: both.into(), ..Results::default() });
+    assert!(lines[0].text.starts_with("Not finished (run, interrupted after 300 of"), "{lines:?}");
+}
+
 /// What an engine says that it does not support is no mistake: the share of the rest is told beside.
 #[test]
 fn pairs_that_an_engine_does_not_support_are_told_apart() {
