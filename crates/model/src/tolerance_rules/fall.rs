@@ -1,8 +1,8 @@
 //! Whether a block that falls is stopped before it is deeper than `penetration`: a warning, not a rule of SPEC section 3.
 
 use super::largest::{factor, may_be_extreme, may_be_largest, signed_factor};
-use super::six_digits;
 use super::stiffness::{blocks_by_joint, nearby_softest, softest};
+use super::{six_digits, thin};
 use crate::block::Point;
 use crate::number::Number;
 use crate::scene::Scene;
@@ -29,7 +29,8 @@ pub struct Fall {
     pub depth: f64,
     /// `penetration` (m).
     pub allowed: f64,
-    /// What would make the fall end within `penetration`: a stiffness, a larger `penetration`, or either.
+    /// What would make the fall end within `penetration`: a stiffness, a larger `penetration` that is at most half of the thickness of each block, or
+    /// either.
     pub remedy: String,
 }
 
@@ -104,9 +105,15 @@ pub fn fall(set: &ToleranceSet, scene: &Scene) -> Option<Fall> {
     let is_mended = softest(&derived, &joints, moving[worst].body).is_some_and(|derived| derived >= given);
     // Both are off by some roundoffs: so much more is enough.
     let enough = |value: f64| six_digits(value * (1.0 + 1e-12), true, false);
+    let penetration = Some(enough(depth)).filter(|_| is_mended && depth.is_finite());
+    // As the text is read. Without `penetration` no stiffness stops a fall, so there is nothing else to say.
+    let fits = |text: &String| {
+        let deeper = Number::parse(text).map(|penetration| ToleranceSet { penetration, ..set.clone() });
+        !needed.is_finite() || deeper.is_ok_and(|deeper| thin(&deeper, &scene.shapes()).is_none())
+    };
     let remedies = [
         needed.is_finite().then(|| format!("normal_stiffness ≥ {}", enough(needed))),
-        (is_mended && depth.is_finite()).then(|| format!("penetration ≥ {}", enough(depth))),
+        penetration.filter(fits).map(|text| format!("penetration ≥ {text}")),
     ];
     let remedy = remedies.into_iter().flatten().collect::<Vec<_>>().join(" or ");
     Some(Fall { block, weight, height, stiffness, needed, depth, allowed, remedy })
@@ -162,6 +169,27 @@ mod tests {
         let (mut set, scene) = dropped("10000000", "1/10");
         set.penetration = Number::from_f64(depth * 1.000_001).unwrap();
         assert_eq!(fall(&set, &scene), None);
+    }
+
+    #[test]
+    fn a_penetration_beyond_half_of_a_thickness_is_not_advised() {
+        let (set, scene) = dropped("10000000", "1/10");
+        let remedy = fall(&set, &scene).unwrap().remedy;
+        let advised = remedy.split("penetration ≥ ").nth(1).expect("a penetration").to_owned();
+        let number = |text: &str| Number::from_rational(text.parse().unwrap());
+        let twice = Number::parse(&advised).unwrap().times(&Number::from_integer(2));
+        for (thickness, is_advised) in
+            [(twice.clone(), true), (twice.plus(&number("-1/1000000000000000000000")), false)]
+        {
+            let (set, mut scene) = dropped("10000000", "1/10");
+            let at = |n: i32| Number::from_integer(n);
+            let corners = [Vec3::new(at(3), at(3), at(2)), Vec3::new(at(4), at(4), at(2).plus(&thickness))];
+            scene.blocks.push(SceneBlock::new("plate", Block::cuboid(&corners[0], &corners[1]).unwrap()));
+            let found = fall(&set, &scene).unwrap();
+            assert_eq!(found.block, 1);
+            let expected = if is_advised { remedy.clone() } else { remedy.split(" or ").next().unwrap().to_owned() };
+            assert_eq!(found.remedy, expected, "{thickness}");
+        }
     }
 
     #[test]
