@@ -13,6 +13,7 @@ use rockproof_differential::external::EngineSpec;
 use rockproof_differential::external::spec::quoted;
 use rockproof_examine::{reading, refuse_too_large};
 use rockproof_model::scene::SceneFormat;
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt};
 use rockproof_model::{LoadOptions, Number, Precision, Preset, Scene, ToleranceSpec};
 use serde_json::Value;
 use std::path::Path;
@@ -212,7 +213,16 @@ impl ToleranceArgs {
                 None => anyhow::bail!("--tolerances {text}: neither a preset (auto, shi, zero) nor a file"),
             },
         };
+        let mut given: Vec<(String, &str)> = Vec::new();
         for assignment in &self.set {
+            let name = assignment.split('=').next().unwrap_or_default().trim();
+            // An angle is set by its sine too.
+            let name = name.replace("_angle", "_sine");
+            if let Some((_, first)) = given.iter().find(|(known, _)| *known == name) {
+                let [first, again] = [*first, assignment].map(|text| excerpt(text, EXCERPT_LENGTH));
+                anyhow::bail!("--set {first} and --set {again} are both given; a tolerance has one value");
+            }
+            given.push((name, assignment));
             spec.assign(assignment).with_context(|| format!("--set {assignment}"))?;
         }
         Ok(spec)

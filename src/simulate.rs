@@ -191,9 +191,9 @@ enum EngineChoice {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
+    match Number::parse(text).map(|time| time.approximate()) {
         Ok(time) if time.is_finite() && time > 0.0 => Ok(time),
-        _ => Err("must be a number of seconds above 0".to_string()),
+        _ => Err("must be a number of seconds above 0, as 0.05 or 1/20".to_string()),
     }
 }
 

@@ -41,3 +41,20 @@ fn help_and_version_are_no_errors_and_whole() {
     let (code, out, err) = rockproof(&[]);
     assert!(code == 2 && out.is_empty() && err.contains("Usage:") && err.contains("simulate"), "{code}: {out}{err}");
 }
+
+/// The last one would count, without a word.
+#[test]
+fn a_tolerance_that_is_set_twice_is_refused() {
+    let model = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/two_cubes.obj");
+    for [first, again] in
+        [["search=1/10", "search=1/5"], ["search=1/10", "search=1/10"], ["overlap_angle=3", "overlap_sine=1/10"]]
+    {
+        for options in [&["--set", first, "--set", again][..], &["--set", first, again]] {
+            let (code, _, err) = rockproof(&[&["check", model], options].concat());
+            let told = format!("error: --set {first} and --set {again} are both given; a tolerance has one value");
+            assert!(code == 2 && err.contains(&told), "{options:?}: {err}");
+        }
+    }
+    let (code, out, err) = rockproof(&["check", model, "--set", "overlap_angle=3", "--set", "parallel_angle=3"]);
+    assert_ne!(code, 2, "{out}{err}");
+}

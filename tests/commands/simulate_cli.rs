@@ -149,6 +149,8 @@ fn options_choose_precision_length_and_place() {
     // Whole steps of at most 5 ms, some of them cut.
     let time: f64 = last("time")["time_s"].parse().expect("a number");
     assert!((0.05 - 5e-6..0.055).contains(&time), "{:?}", last("time"));
+    place.finishes(&["fall.toml", "--time", "1/20", "--out", "fraction"]);
+    assert_eq!(last("fraction"), last("time"));
     place.finishes(&["fall.toml", "--time", "0.05", "--steps", "4", "--out", "both"]);
     assert_eq!(last("both")["step"], "4");
     // Before anything touches: an impact is nothing that two precisions share to a per cent.
@@ -212,6 +214,7 @@ fn mistakes_exit_with_2_and_say_where() {
         (vec!["huge.toml", "--engine", "f32", "--force"], "overflows in the stepper's precision"),
         (vec!["fall.toml", "--time", "0"], "above 0"),
         (vec!["fall.toml", "--time", "soon"], "above 0"),
+        (vec!["fall.toml", "--time", "1e400"], "above 0"),
         (vec!["fall.toml", "--steps", "-3"], "-3"),
         (vec!["fall.toml", "--every", "0"], "--every"),
         (vec!["fall.toml", "--skips", "pairs,contacts"], "contacts\" is none of blocks, pairs, islands, features, all"),
