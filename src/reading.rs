@@ -2,7 +2,7 @@
 
 use crate::input_file::ModelFile;
 use rockproof_model::scene::{SceneFormat, SceneProblem};
-use rockproof_model::text::noun;
+use rockproof_model::text::{EXCERPT_LENGTH, excerpt, noun};
 use rockproof_model::{BlockError, LoadOptions, Number, Scene, SceneError, TopologyError};
 
 /// The planarities tried, mildest first; beyond the last a face is bent, not rounded.
@@ -133,7 +133,8 @@ pub(crate) fn weld_that_undoes(model: &ModelFile) -> Option<String> {
     let (usable, all) = (scene.blocks.len(), scene.blocks.len() + problems.len());
     (usable > joined).then(|| {
         format!(
-            "--weld {distance} made one vertex of all that are no further apart, in the file's unit of length, and of {all} {} {joined} can be used; without it {usable} can",
+            "--weld {} made one vertex of all that are no further apart, in the file's unit of length, and of {all} {} {joined} can be used; without it {usable} can",
+            excerpt(&distance.to_string(), EXCERPT_LENGTH),
             noun(all, "block", "blocks")
         )
     })

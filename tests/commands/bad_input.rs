@@ -416,3 +416,15 @@ fn a_byte_order_mark_is_skipped_in_every_format_of_text() {
     marked("a.ply", include_bytes!("../fixtures/box.ply"));
     marked("a.stl", include_bytes!("../fixtures/two_wedges.stl"));
 }
+
+/// A PLY file whose header does not say the format, or whose elements end early: on which line that is seen.
+#[test]
+fn a_ply_file_without_a_format_or_an_end_is_told_with_its_line() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\nelement face 4\n\
+                property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+    let short: String = text.split_inclusive('\n').take(16).collect();
+    check_all(&[
+        ("a.ply", change(text, "format ascii 1.0\n", ""), &["a.ply:2:", "\"element vertex 4\"", "`format ascii 1.0`"]),
+        ("b.ply", short, &["b.ply:16:", "the last of 4 elements \"face\""]),
+    ]);
+}

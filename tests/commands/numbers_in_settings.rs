@@ -172,3 +172,17 @@ fn a_chunk_is_bounded() {
     let (code, out, err) = rockproof_in(dir, &["campaign", "settings.toml", "--family", "sliver", "--out", "run"]);
     assert_eq!(code, 0, "{out}{err}");
 }
+
+/// As any other set that there is not.
+#[test]
+fn a_file_of_tolerances_that_cannot_be_read_is_told_with_the_line_that_names_it() {
+    let dir = crate::place::folder();
+    let dir = dir.path();
+    fs::write(dir.join("bad.toml"), "search = true\n").expect("write");
+    for (file, why) in [("none.toml", "none.toml: No such file"), ("bad.toml", "bad.toml:1: ")] {
+        fs::write(dir.join("settings.toml"), format!("pairs = 16\ntolerances = [\n\"auto\",\n\"{file}\"]\n"))
+            .expect("write");
+        let (code, _, err) = rockproof_in(dir, &["campaign", "settings.toml", "--out", "run"]);
+        assert!(code == 2 && err.contains(&format!("settings.toml line 4: {why}")), "{err}");
+    }
+}

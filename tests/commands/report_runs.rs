@@ -161,3 +161,16 @@ fn a_damaged_case_does_not_cost_the_report() {
         ["A case cannot be shown: ", &name(&case), "allowed are the vertices, edges and faces of the two blocks"];
     assert!(told.iter().all(|told| err.contains(told)) && rest.contains(told[0]), "{err}");
 }
+
+/// Of another program, among the results of simulate: it is no campaign because of its name.
+#[test]
+fn a_foreign_table_of_findings_is_told_as_that() {
+    let dir = crate::place::folder();
+    let out = dir.path().join("still").display().to_string();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/handmade/approaching_vertices.toml");
+    assert_eq!(rockproof(&["simulate", scene, "--steps", "0", "--out", &out]).0, 0);
+    fs::write(dir.path().join("still/findings.csv"), "hi\n").expect("written");
+    let (code, _, err) = rockproof(&["report", &out]);
+    let told = "findings.csv: the results here are of rockproof simulate, and this is none of their files (rockproof.manifest.json)";
+    assert!(code == 2 && err.contains(told), "{err}");
+}

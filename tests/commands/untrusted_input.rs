@@ -62,7 +62,14 @@ fn cases_are_checked_as_scenes_are() {
             "check = \"swap\"\norigin = \"",
             vec!["change is \"extra\"", "allowed are failure, crash, timeout"],
         ),
-        ("feature_a = 0", "feature_a = 99", vec!["f-v 99/0", "the vertices, edges and faces of the two blocks"]),
+        ("cause = \"arithmetic\"", "cause = \"toler\"", vec!["case.toml:3: cause is \"toler\""]),
+        ("kind = \"f-v\"", "kind = \"v-q\"", vec!["case.toml:12: a contact of", "is \"v-q 0/0 by ", ", gap sign "]),
+        ("gap_sign = ", "gap_sign = 5 # ", vec!["case.toml:12: a contact of", ", gap sign 5\""]),
+        (
+            "feature_a = 0",
+            "feature_a = 99",
+            vec!["case.toml:12:", "f-v 99/0", "the vertices, edges and faces of the two blocks"],
+        ),
         ("entrance_b = 0", "entrance_b = 4", vec!["the vertices, edges and faces of the two blocks"]),
     ] {
         fs::write(dir.join("case.toml"), change(CASE, from, to)).expect("write");

@@ -48,6 +48,18 @@ fn what_a_weld_larger_than_the_blocks_makes_of_them_is_said() {
 }
 
 #[test]
+fn a_distance_of_many_digits_is_cut_in_messages() {
+    let place = Place::new();
+    place.file("cell.txt", &std::fs::read_to_string("cases/real/voronoi_120.txt").expect("cells"));
+    place.file("cubes.obj", &soup(0.0));
+    for (file, told) in [("cell.txt", "note: --weld 1000"), ("cubes.obj", "--weld 1000")] {
+        let (code, _, err) = place.run(&["check", file, "--planarity", "1e-4", "--weld", "1e400"]);
+        assert!(code == 2 && err.contains(told) && err.contains("000… "), "{err}");
+        assert!(!err.contains(&"0".repeat(250)), "{err}");
+    }
+}
+
+#[test]
 fn vertices_are_joined_wherever_a_model_is_read() {
     let place = Place::new();
     place.file("soup.obj", &soup(1e-9));

@@ -93,6 +93,9 @@ pub enum SourceError {
     /// A grid of tolerance sets that is none.
     #[error(transparent)]
     Grid(#[from] ToleranceGridError),
+    /// A file of tolerances that cannot be read: that is done as with scenes.
+    #[error(transparent)]
+    Tolerances(Box<SceneError>),
     /// A block file that cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -125,10 +128,7 @@ impl SourceError {
             | SourceError::Known { file, .. }
             | SourceError::Twice { file, .. } => ("tolerances", Some(file.as_str())),
             SourceError::Grid(_) => ("grid", None),
-            // Files of tolerances are read as scenes are.
-            SourceError::Scene(error) if error.file.extension().is_some_and(|extension| extension == "toml") => {
-                return None;
-            }
+            SourceError::Tolerances(error) => ("tolerances", error.file.to_str()),
             SourceError::Scene(error) => ("real", error.file.to_str()),
             SourceError::NoNeighbours { file } => ("real", Some(file.as_str())),
             SourceError::NothingToDo => ("steps_every", None),
@@ -229,7 +229,7 @@ pub fn set_source(name: &str) -> Result<SetSource, SourceError> {
     let Some(file) = tolerance_file(name) else {
         return Err(SourceError::Set { found: name.to_owned(), allowed: tolerance_sets::NAMES.join(", ") });
     };
-    let spec = ToleranceSpec::load(file)?;
+    let spec = ToleranceSpec::load(file).map_err(|error| SourceError::Tolerances(Box::new(error)))?;
     let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     // A colon is for ladders, an @ for changes, and a name is of one set; tables hold names as they are.
     let is_plain = !stem.contains([':', '@']) && !stem.contains(is_harmful) && !begins_a_formula(&stem);

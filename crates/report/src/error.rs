@@ -116,6 +116,17 @@ pub enum ReportError {
         /// Why.
         source: io::Error,
     },
+    /// Findings that are none of the results that they stand among.
+    #[error(
+        "{file}: the results here are of {}, and this is none of their files ({}): move it elsewhere",
+        owner.command(), rockproof_results::MANIFEST
+    )]
+    Foreign {
+        /// The file.
+        file: PathBuf,
+        /// Whose results these are.
+        owner: rockproof_results::Owner,
+    },
     /// The output directory cannot be used.
     #[error(transparent)]
     Results(#[from] rockproof_results::ResultsError),

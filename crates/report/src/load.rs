@@ -24,7 +24,7 @@ use rockproof_differential::finding::FINDING_COLUMNS;
 use rockproof_differential::row::FindingRow;
 use rockproof_model::files::{read_text, refuse_what_is_no_file};
 use rockproof_model::text::{EXCERPT_LENGTH, escaped, excerpt, noun};
-use rockproof_results::is_inside;
+use rockproof_results::{is_inside, owner_without};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -176,6 +176,9 @@ impl Results {
                     return Err(ReportError::ExactRun { dir: dir.clone() });
                 }
                 return Err(ReportError::NoRun { dir: dir.clone(), found: what_is_there(dir) });
+            }
+            if let Some(owner) = owner_without(dir, "findings.csv").filter(|_| campaign) {
+                return Err(ReportError::Foreign { file: findings, owner });
             }
             if campaign {
                 results.campaigns.push(CampaignRun::read(dir)?);

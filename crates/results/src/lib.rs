@@ -25,7 +25,7 @@ pub use directory::Directory;
 pub use error::ResultsError;
 pub use file_stem::bounded;
 pub use identity::{identity_differences, setting_text};
-pub use manifest::{FileKind, MANIFEST, Owner, is_inside};
+pub use manifest::{FileKind, MANIFEST, Owner, is_inside, owner_without};
 pub use seal::{Seal, digest};
 pub use table::AppendedTable;
 pub use unprotected::on_unprotected;

@@ -102,6 +102,12 @@ pub enum FileKind {
     Text,
 }
 
+/// Whose results a directory holds of which a file is none; `None` where it is one, or no manifest tells.
+pub fn owner_without(dir: &Path, file: &str) -> Option<Owner> {
+    let manifest = Manifest::read(dir).ok().flatten()?;
+    (!manifest.files.contains_key(file)).then_some(manifest.owner)
+}
+
 /// The content of the manifest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -2,6 +2,7 @@
 
 use rockproof_model::{Contact, ContactKey, ContactKind, Entrance, EntranceKind, Sign};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// A contact as written in files; the names are those of `classify`'s columns.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,6 +44,13 @@ impl ContactRow {
             _ => return None,
         };
         Some(Contact { key, entrance, gap })
+    }
+}
+
+impl fmt::Display for ContactRow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ContactRow { kind, feature_a, feature_b, entrance, entrance_a, entrance_b, gap_sign } = self;
+        write!(f, "{kind} {feature_a}/{feature_b} by {entrance} {entrance_a}/{entrance_b}, gap sign {gap_sign}")
     }
 }
 

@@ -78,9 +78,11 @@ impl CaseDescription {
         AnswerChange::from_name(name).filter(|change| change.is_metamorphic())
     }
 
-    /// The contacts of all lists.
-    pub(super) fn rows(&self) -> impl Iterator<Item = &ContactRow> {
-        self.expected.iter().chain(&self.found).chain(self.changed.iter().flatten())
+    /// The contacts of all lists, each with the key of its list and its place there.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&'static str, usize, &ContactRow)> {
+        let changed = self.changed.as_deref().unwrap_or_default();
+        let lists = [("expected", &self.expected[..]), ("found", &self.found), ("changed", changed)];
+        lists.into_iter().flat_map(|(list, rows)| rows.iter().enumerate().map(move |(at, row)| (list, at, row)))
     }
 
     /// The contacts that both answers name, and name differently.

@@ -1,6 +1,6 @@
 //! The file of a case: its reader and its writer.
 
-use super::{Case, CaseDescription, ContactRow};
+use super::{Case, CaseDescription};
 use crate::compare::AnswerChange;
 use crate::external::protocol::UNNAMED;
 use crate::external::spec::is_name;
@@ -15,6 +15,7 @@ use rockproof_model::{
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use toml::de::DeTable;
 
 /// The file as it is parsed.
 #[derive(Serialize, Deserialize)]
@@ -130,17 +131,21 @@ impl Case {
         let parsed: CaseFile =
             toml::from_str(text).map_err(|source| CaseError::Toml { file: file.clone(), source: Box::new(source) })?;
         let about = parsed.case;
+        let at = |key, place| match line_in_case(text, key, place) {
+            Some(line) => format!("{file}:{line}"),
+            None => file.clone(),
+        };
         let known = |key, found: &str, allowed: &[&str]| {
             if allowed.contains(&found) {
                 return Ok(());
             }
-            let (file, found, allowed) = (file.clone(), excerpt(found, EXCERPT_LENGTH), allowed.join(", "));
+            let (file, found, allowed) = (at(key, None), excerpt(found, EXCERPT_LENGTH), allowed.join(", "));
             Err(CaseError::Value { file, key, found, allowed })
         };
         if !["any", "f32", "f64"].contains(&about.engine.as_str()) && !is_name(&about.engine) {
             let allowed = "any, f32, f64, and names of letters, digits, '-', '_' and '.'".to_owned();
             return Err(CaseError::Value {
-                file,
+                file: at("engine", None),
                 key: "engine",
                 found: excerpt(&about.engine, EXCERPT_LENGTH),
                 allowed,
@@ -149,7 +154,7 @@ impl Case {
         for (key, margin) in [("margin", about.margin), ("margin_ulps", about.margin_ulps)] {
             if let Some(found) = margin.filter(|margin| !margin.is_finite()) {
                 let allowed = "finite numbers".to_owned();
-                return Err(CaseError::Value { file, key, found: found.to_string(), allowed });
+                return Err(CaseError::Value { file: at(key, None), key, found: found.to_string(), allowed });
             }
         }
         known("cause", &about.cause, &Cause::ALL.map(Cause::name))?;
@@ -178,14 +183,16 @@ impl Case {
             };
             if let Some(allowed) = allowed {
                 let (found, allowed) = (excerpt(said, EXCERPT_LENGTH), allowed.to_owned());
+                let file = at("found_state", None);
                 return Err(CaseError::Value { file, key: "found_state", found, allowed });
             }
         }
-        for row in about.rows() {
+        for (list, place, row) in about.rows() {
             if row.contact().is_none() {
+                let file = at(list, Some(place));
                 let allowed = "kinds v-v v-e e-v v-f f-v e-e, entrances v-f f-v e-e, gap signs -1 0 1".to_owned();
-                let found = excerpt(&format!("{row:?}"), EXCERPT_LENGTH);
-                return Err(CaseError::Value { file, key: "expected, found or changed", found, allowed });
+                let found = excerpt(&row.to_string(), EXCERPT_LENGTH);
+                return Err(CaseError::Value { file, key: "a contact of expected, found or changed", found, allowed });
             }
         }
         let found = parsed.block.len();
@@ -202,8 +209,9 @@ impl Case {
             })
         };
         let [a, b] = [block(0, a)?, block(1, b)?];
-        for contact in about.rows().filter_map(ContactRow::contact) {
-            if !has_features([&a, &b], &contact) {
+        for (list, place, row) in about.rows() {
+            if let Some(contact) = row.contact().filter(|contact| !has_features([&a, &b], contact)) {
+                let file = at(list, Some(place));
                 let allowed = "the vertices, edges and faces of the two blocks".to_owned();
                 let found = format!("{} by {}", contact.key, contact.entrance);
                 return Err(CaseError::Value { file, key: "a contact of expected, found or changed", found, allowed });
@@ -217,6 +225,17 @@ impl Case {
         }
         Ok(Case { about, a, b, tolerances })
     }
+}
+
+/// The line of a key of `[case]`, or of the contact at a place of a list of them.
+fn line_in_case(text: &str, key: &str, place: Option<usize>) -> Option<usize> {
+    let root = DeTable::parse(text).ok()?;
+    let value = root.get_ref().get("case")?.get_ref().as_table()?.get(key)?;
+    let value = match place {
+        Some(place) => value.get_ref().as_array()?.get(place)?,
+        None => value,
+    };
+    Some(1 + text.bytes().take(value.span().start).filter(|byte| *byte == b'\n').count())
 }
 
 /// Whether blocks have the features that a contact and its entrance name; an entrance that an engine did not name is none.

@@ -130,7 +130,7 @@ pub enum SceneProblem {
     )]
     ScaledScene,
     /// A file of whose blocks joining vertices leaves none.
-    #[error("--weld {distance} joins all vertices of block {}, and there is no other in it", shown(name))]
+    #[error("--weld {} joins all vertices of block {}, and there is no other in it", shown(&distance.to_string()), shown(name))]
     JoinedAway {
         /// The distance.
         distance: Number,

@@ -92,7 +92,10 @@ pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlo
     let mut reader = Reader::new(bytes);
     let parser = Parser::<Row>::new();
     let in_header = "a line of a PLY header (format, element, property, comment, end_header)";
-    let header = parser.read_header(&mut reader).map_err(|error| located(&error, bytes, in_header))?;
+    let header = parser.read_header(&mut reader).map_err(|error| {
+        let is_of_format = error.line().is_some() || error.kind() == ErrorKind::UnexpectedEof;
+        without_format(bytes).filter(|_| !is_of_format).unwrap_or_else(|| located(&error, bytes, in_header))
+    })?;
     let Version { major, minor } = header.version;
     if (major, minor) != (1, 0) {
         let (what, found) = ("the version of the format".to_owned(), format!("{major}.{minor}"));
@@ -109,7 +112,7 @@ pub(super) fn read(bytes: &[u8], distance: Option<&Number>) -> Result<Vec<RawBlo
             let name = excerpt(&element.name, EXCERPT_LENGTH);
             if error.kind() == ErrorKind::UnexpectedEof {
                 let expected = format!("the last of {} elements \"{name}\"", element.count);
-                return (None, SceneProblem::Truncated { expected });
+                return (last_line(bytes).filter(|_| is_text), SceneProblem::Truncated { expected });
             }
             let value = error.line().filter(|_| is_text).and_then(|line| {
                 let text = line_of(bytes, line)?;
@@ -240,6 +243,18 @@ fn check_end(rest: &[u8], line: Option<usize>) -> Result<(), Located> {
 fn header_line(bytes: &[u8], start: &str) -> Option<usize> {
     let begins = |line: &[u8]| line.starts_with(start.as_bytes());
     bytes.split(|&byte| byte == b'\n').position(begins).map(|place| place + 1)
+}
+
+/// Where the last line with anything in it stands.
+fn last_line(bytes: &[u8]) -> Option<usize> {
+    Some(bytes.trim_ascii_end().split(|&byte| byte == b'\n').count())
+}
+
+/// That the second line of a header is not the one that says the format, and no other line says it.
+fn without_format(bytes: &[u8]) -> Option<Located> {
+    let second = line_of(bytes, 2).filter(|_| header_line(bytes, "format").is_none())?;
+    let expected = "the format of the file (`format ascii 1.0`, binary_little_endian or binary_big_endian)".to_owned();
+    Some((Some(2), SceneProblem::Unexpected { found: quoted(second), expected }))
 }
 
 /// A line of the file, from 1.
