@@ -519,9 +519,9 @@ fn broken_ply_says_where() {
         (with("4 0 3 2 1", "4 0 3 2 8"), &["mesh:23:", "a vertex number of face 0 is 8; allowed is 0 to 7"]),
         (with("4 0 3 2 1", "4 0 3 2 -1"), &["mesh:23:", "is -1; allowed is 0 to 7"]),
         (with("4 0 3 2 1", "2 0 3"), &["mesh:23:", "face 0 of 2 vertices"]),
-        (with("vertex 8", "vertex 9"), &["mesh: the file ends where the last of 1 elements \"edge\" should stand"]),
+        (with("vertex 8", "vertex 9"), &["mesh:29: the file ends where the last of 1 elements \"edge\" should stand"]),
         (with("edge 1", "edge 0"), &["mesh:29: found \"0 1\" where the end of the file"]),
-        (with("edge 1", "edge 2"), &["mesh: the file ends where the last of 2 elements \"edge\" should stand"]),
+        (with("edge 1", "edge 2"), &["mesh:29: the file ends where the last of 2 elements \"edge\" should stand"]),
         ([&binary[..], b"\0"].concat(), &["mesh: found 1 more bytes where the end of the file"]),
         (
             text.replace("vertex 8", "vertex 9").replace("0 1 1 255\n", "0 1 1 255\n5 5 5 255\n").into_bytes(),

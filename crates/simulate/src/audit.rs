@@ -125,7 +125,7 @@ pub struct AuditTotals {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_past_middle: Option<PairExtreme>,
     /// The false entrances.
-    #[serde(default, skip_serializing_if = "FalseEntranceTotals::is_none")]
+    #[serde(default, skip_serializing_if = "FalseEntranceTotals::is_nothing")]
     pub false_entrances: FalseEntranceTotals,
     /// Passages, over all steps; none where they were not looked for.
     pub passages: Option<u64>,
@@ -319,7 +319,7 @@ mod tests {
         let passed = StepAudit { passages: passing(vec![pair(6, 7, 0.25)], 3), ..held.clone() };
         totals.add(5, &passed);
         assert!(totals.finds_fault());
-        let expected = "blocks overlap where no contact holds them: up to 2 pairs overlap unseen by contacts after 2 of 6 steps \
+        let expected = "blocks pass through one another: up to 2 pairs overlap unseen by contacts after 2 of 6 steps \
                         (worst 4–5, 2.000e-5 m, step 4); 1 passage within a step (worst 6–7, 0.2500 m, step 5); 3 passages \
                         undecided; deepest overlap (worst 0–1, 0.5000 m, step 1)";
         assert_eq!(totals.sentence(), expected);

@@ -66,6 +66,11 @@ impl FalseEntranceTotals {
         self.unmet.steps == 0 && self.covered.steps == 0
     }
 
+    /// Whether no step was looked at.
+    pub(crate) fn is_nothing(&self) -> bool {
+        *self == FalseEntranceTotals::default()
+    }
+
     /// Whether in some step more than a third of what contacts press a block with goes through false entrances of one kind: what becomes of it is then not what would
     /// become of rock. Where blocks of cut rock lie at rest, corners at seams bear less in most steps.
     pub fn decide(&self) -> bool {

@@ -250,8 +250,9 @@ fn last_line(bytes: &[u8]) -> Option<usize> {
     Some(bytes.trim_ascii_end().split(|&byte| byte == b'\n').count())
 }
 
-/// That the second line of a header is not the one that says the format, and no other line says it.
+/// That of a file that begins as PLY the second line is not the one that says the format, and no other line says it.
 fn without_format(bytes: &[u8]) -> Option<Located> {
+    line_of(bytes, 1).filter(|first| first.trim_ascii() == b"ply")?;
     let second = line_of(bytes, 2).filter(|_| header_line(bytes, "format").is_none())?;
     let expected = "the format of the file (`format ascii 1.0`, binary_little_endian or binary_big_endian)".to_owned();
     Some((Some(2), SceneProblem::Unexpected { found: quoted(second), expected }))
