@@ -10,7 +10,7 @@ use rockproof_stepper::{Real, Vector};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-/// False entrances that bear no more than this share of what contacts press a block with are not told: blocks that stand close move it by as little.
+/// False entrances that bear no more than this share of what contacts press a block with are not told: cut rock at rest has them in many steps, and stays where it is.
 const SHARE: f64 = 0.2;
 
 /// Faces whose normals are nearer to one another than 60° are one way out.
