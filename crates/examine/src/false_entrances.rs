@@ -98,42 +98,24 @@ impl StepLook<'_> {
         told
     }
 
-    /// Whether a plane along a face of either block parts the blocks of a contact from the beginning of the step to its end, vertices going straight: by more than what
-    /// gaps, to first order in how far a block turns, may be off, or, where the contact pushes along the plane, at all but for rounding.
+    /// Whether a plane along a face of either block parts the blocks of a contact, but for rounding, from the beginning of the step to its end, vertices going straight, and
+    /// the contact pushes along that plane rather than across it: across it, the gap of a block that turns is negative, to first order, where the blocks do not meet.
     fn never_met<R: Real>(&self, contact: &ContactState<R>) -> bool {
         let blocks = contact.blocks.map(|block| block as usize);
-        let along = contact.normal.components().map(R::to_f64);
-        let turning: f64 = blocks.map(|block| self.turning_error(block)).into_iter().sum();
+        let push = contact.normal.components().map(R::to_f64);
         [blocks, [blocks[1], blocks[0]]].into_iter().any(|[own, other]| {
             let parts = |n: [f64; 3]| {
-                let is_beside = dot(n, along).abs() < SAME_WAY;
-                let least = if is_beside { -self.rounding } else { self.rounding + turning };
-                [self.before, self.after].iter().all(|places| {
-                    let along = |block: usize| places[block].iter().map(move |p| dot(n, *p));
-                    let reach = along(own).fold(f64::NEG_INFINITY, f64::max);
-                    along(other).fold(f64::INFINITY, f64::min) - reach > least
-                })
+                dot(n, push).abs() < SAME_WAY
+                    && [self.before, self.after].iter().all(|places| {
+                        let along = |block: usize| places[block].iter().map(move |p| dot(n, *p));
+                        let reach = along(own).fold(f64::NEG_INFINITY, f64::max);
+                        along(other).fold(f64::INFINITY, f64::min) - reach > -self.rounding
+                    })
             };
             let faces = 0..self.shapes[own].topology().faces().len();
             let planes = |face| [self.before, self.after].map(|places| self.plane(own, face, places));
             faces.flat_map(planes).flatten().any(|(n, _)| parts(n))
         })
-    }
-
-    /// What gaps to first order are off where a block turns in the step, at most (m): a vertex at the distance r from its middle that goes t on a circle is t²/2r off a
-    /// straight line, and a vertex of another block, as far from it as the block is long, as much twice off the plane of a face that turns.
-    fn turning_error(&self, block: usize) -> f64 {
-        let middle = |places: &[Places]| {
-            let count = places[block].len() as f64;
-            places[block].iter().copied().fold([0.0; 3], plus).map(|sum| sum / count)
-        };
-        let [from, to] = [self.before, self.after].map(middle);
-        let arms = self.before[block].iter().zip(&self.after[block]).map(|(old, new)| {
-            let (old, new) = (minus(*old, from), minus(*new, to));
-            (length(minus(new, old)), length(old))
-        });
-        let (way, arm) = arms.fold((0.0f64, 0.0f64), |(way, arm), (w, a)| (way.max(w), arm.max(a)));
-        if arm > 0.0 { 2.0 * way * way / arm } else { 0.0 }
     }
 
     /// The block that covers the way on which a contact pushes a vertex out of a block, though a face of that one lets it go and no block is behind there.
