@@ -25,6 +25,19 @@ pub(crate) fn places<R: Real>(state: &State<R>) -> Vec<Places> {
     state.blocks.iter().map(|block| block.vertices.iter().map(place).collect()).collect()
 }
 
+/// The unit normal of a face, outwards, and a corner of it; none of a face without area.
+type FacePlane = Option<([f64; 3], [f64; 3])>;
+
+/// The planes of the faces of blocks where they were when the step began, of each block once it is asked for.
+pub(crate) struct KnownPlanes(Vec<OnceCell<Vec<FacePlane>>>);
+
+impl KnownPlanes {
+    /// None yet, of so many blocks.
+    pub(crate) fn of(blocks: usize) -> KnownPlanes {
+        KnownPlanes(vec![OnceCell::new(); blocks])
+    }
+}
+
 /// A vertex that a contact pushes out of another block.
 struct Push {
     /// The block of the vertex.
@@ -52,6 +65,8 @@ pub(crate) struct StepLook<'s> {
     pub(crate) after: &'s [Places],
     /// The same, for what is surely apart.
     pub(crate) screen: &'s Screen<'s>,
+    /// The planes of faces where the step begins.
+    pub(crate) planes: KnownPlanes,
     /// `penetration` (m).
     pub(crate) penetration: f64,
     /// The depth that rounded coordinates alone can make (m).
@@ -174,7 +189,10 @@ impl StepLook<'_> {
 
     /// How far a point is below the plane of a face where the step begins (m), with the face's unit normal, outwards; `None` of a face without area.
     fn depth_below(&self, (block, face): (usize, usize), point: [f64; 3]) -> Option<([f64; 3], f64)> {
-        let (n, on) = self.plane(block, face, self.before)?;
+        let faces = 0..self.shapes[block].topology().faces().len();
+        let planes =
+            self.planes.0[block].get_or_init(|| faces.map(|face| self.plane(block, face, self.before)).collect());
+        let (n, on) = planes[face]?;
         Some((n, dot(n, minus(on, point))))
     }
 
@@ -188,7 +206,7 @@ impl StepLook<'_> {
     }
 
     /// The unit normal of a face, outwards, and a corner of it.
-    fn plane(&self, block: usize, face: usize, places: &[Places]) -> Option<([f64; 3], [f64; 3])> {
+    fn plane(&self, block: usize, face: usize, places: &[Places]) -> FacePlane {
         let corners = &self.shapes[block].topology().faces()[face];
         let corner = |vertex: &VertexId| places[block][vertex.index()];
         let first = corner(corners.first()?);

@@ -2,7 +2,7 @@
 
 use crate::deepest::deepest;
 use crate::error::ExamineError;
-use crate::false_entrances::{Places, StepLook, places};
+use crate::false_entrances::{KnownPlanes, Places, StepLook, places};
 use crate::past_middle::past_middle;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ContactKey, Number, Precision, Scene, ToleranceSet};
@@ -113,6 +113,7 @@ impl<R: Real> AuditedRun<R> {
             before,
             after: &places(state),
             screen,
+            planes: KnownPlanes::of(self.shapes.len()),
             penetration: self.set.penetration.approximate(),
             rounding: rounding_depth_of_size(&largest, self.precision).approximate(),
         };
