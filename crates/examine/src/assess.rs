@@ -92,7 +92,7 @@ impl Assessment {
     /// Whether nothing is wrong with the model under this set, something was tried, and what is wrong could have been seen.
     pub fn is_safe(&self, precision: Precision) -> bool {
         let steps = &self.steps;
-        let are_right = !steps.end_deep() && !steps.lose_friction() && !steps.have_false_entrances();
+        let are_right = !steps.end_deep() && !steps.lose_friction() && !steps.have_decisive_false_entrances();
         self.fault_counts(precision) == [0; 5] && self.tries_contacts() && self.may_see_all() && are_right
     }
 

@@ -1,12 +1,12 @@
 //! Contacts that push where nothing met, or through a face that another block covers (docs/step.md, "False entrances"). The entrance of a contact is the plane with the
 //! largest gap where a step begins, of these two blocks alone: what else is there, and where they are when they meet, it does not see.
 
-use crate::pressed_springs::{cross, dot, length, minus, plus};
 use rockproof_model::{Block, ContactKey, VertexId};
 use rockproof_oracle::audit::Screen;
 use rockproof_simulate::FalseEntrance;
+use rockproof_simulate::f64_vector::{dot, face_normal, length, minus, plus, point};
+use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{ContactState, State};
-use rockproof_stepper::{Real, Vector};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
@@ -21,25 +21,24 @@ pub(crate) type Places = Vec<[f64; 3]>;
 
 /// The places of a state.
 pub(crate) fn places<R: Real>(state: &State<R>) -> Vec<Places> {
-    let place = |v: &Vector<R>| v.components().map(R::to_f64);
-    state.blocks.iter().map(|block| block.vertices.iter().map(place).collect()).collect()
+    state.blocks.iter().map(|block| block.vertices.iter().map(|&vertex| point(vertex)).collect()).collect()
 }
 
 /// The unit normal of a face, outwards, and a corner of it; none of a face without area.
 type FacePlane = Option<([f64; 3], [f64; 3])>;
 
 /// The planes of the faces of blocks where they were when the step began, of each block once it is asked for.
-pub(crate) struct KnownPlanes(Vec<OnceCell<Vec<FacePlane>>>);
+pub(crate) struct FacePlanes(Vec<OnceCell<Vec<FacePlane>>>);
 
-impl KnownPlanes {
+impl FacePlanes {
     /// None yet, of so many blocks.
-    pub(crate) fn of(blocks: usize) -> KnownPlanes {
-        KnownPlanes(vec![OnceCell::new(); blocks])
+    pub(crate) fn of(blocks: usize) -> FacePlanes {
+        FacePlanes(vec![OnceCell::new(); blocks])
     }
 }
 
 /// A vertex that a contact pushes out of another block.
-struct Push {
+struct PushedVertex {
     /// The block of the vertex.
     block: usize,
     vertex: VertexId,
@@ -53,8 +52,8 @@ struct Push {
     depth: f64,
 }
 
-/// A step that was made, for what its contacts did.
-pub(crate) struct StepLook<'s> {
+/// Where blocks were and are in a step.
+pub(crate) struct StepGeometry<'s> {
     /// The blocks as the scene has them.
     pub(crate) shapes: &'s [Block],
     /// Whether each never moves.
@@ -66,14 +65,14 @@ pub(crate) struct StepLook<'s> {
     /// The same, for what is surely apart.
     pub(crate) screen: &'s Screen<'s>,
     /// The planes of faces where the step begins.
-    pub(crate) planes: KnownPlanes,
+    pub(crate) planes: FacePlanes,
     /// `penetration` (m).
     pub(crate) penetration: f64,
     /// The depth that rounded coordinates alone can make (m).
     pub(crate) rounding: f64,
 }
 
-impl StepLook<'_> {
+impl StepGeometry<'_> {
     /// The false entrances of blocks that these bear more than a fifth of what contacts press them with, those of each kind together: one for each pair and block behind
     /// it, those that never met first, in ascending order.
     pub(crate) fn false_entrances<R: Real>(&self, state: &State<R>) -> Vec<FalseEntrance> {
@@ -90,7 +89,7 @@ impl StepLook<'_> {
             let blocks = contact.blocks.map(|block| block as usize);
             let is_deep = || self.screen.greatest_depth(blocks).is_some_and(|depth| depth > 2.0 * self.rounding);
             let is_unmet = *may_be_apart.entry(blocks).or_insert_with(|| !is_deep()) && self.never_met(contact);
-            let into = if is_unmet { None } else { self.covered(contact, &near) };
+            let into = if is_unmet { None } else { self.covering_block(contact, &near) };
             if is_unmet || into.is_some() {
                 *found.entry((blocks, into)).or_default() += normal_force(contact);
             }
@@ -117,7 +116,7 @@ impl StepLook<'_> {
     /// the contact pushes along that plane rather than across it: across it, the gap of a block that turns is negative, to first order, where the blocks do not meet.
     fn never_met<R: Real>(&self, contact: &ContactState<R>) -> bool {
         let blocks = contact.blocks.map(|block| block as usize);
-        let push = contact.normal.components().map(R::to_f64);
+        let push = point(contact.normal);
         [blocks, [blocks[1], blocks[0]]].into_iter().any(|[own, other]| {
             let parts = |n: [f64; 3]| {
                 dot(n, push).abs() < SAME_WAY
@@ -134,25 +133,29 @@ impl StepLook<'_> {
     }
 
     /// The block that covers the way on which a contact pushes a vertex out of a block, though a face of that one lets it go and no block is behind there.
-    fn covered<'n, R: Real>(&self, contact: &ContactState<R>, near: &dyn Fn(usize) -> &'n [usize]) -> Option<usize> {
+    fn covering_block<'n, R: Real>(
+        &self,
+        contact: &ContactState<R>,
+        near: &dyn Fn(usize) -> &'n [usize],
+    ) -> Option<usize> {
         let [a, b] = contact.blocks.map(|block| block as usize);
-        let f64s = |v: &Vector<R>| v.components().map(R::to_f64);
-        let (out_of_b, depth) = (f64s(&contact.normal), -contact.gap.to_f64());
+        let (out_of_b, depth) = (point(contact.normal), -contact.gap.to_f64());
         let out_of_a = out_of_b.map(|x| -x);
-        let gap_before = dot(out_of_b, minus(f64s(&contact.points[0]), f64s(&contact.points[1])));
+        let gap_before = dot(out_of_b, minus(point(contact.points[0]), point(contact.points[1])));
         let (of_a, of_b) = match contact.key() {
             ContactKey::VertexVertex(v, w) => (Some(v), Some(w)),
             ContactKey::VertexEdge(v, _) | ContactKey::VertexFace(v, _) => (Some(v), None),
             ContactKey::EdgeVertex(_, w) | ContactKey::FaceVertex(_, w) => (None, Some(w)),
             ContactKey::EdgeEdge(..) => (None, None),
         };
-        let of_a = of_a.map(|vertex| Push { block: a, vertex, out_of: b, along: out_of_b, gap_before, depth });
-        let of_b = of_b.map(|vertex| Push { block: b, vertex, out_of: a, along: out_of_a, gap_before, depth });
-        of_a.into_iter().chain(of_b).find_map(|push| self.covers(&push, near))
+        let of_a = of_a.map(|vertex| PushedVertex { block: a, vertex, out_of: b, along: out_of_b, gap_before, depth });
+        let of_b = of_b.map(|vertex| PushedVertex { block: b, vertex, out_of: a, along: out_of_a, gap_before, depth });
+        of_a.into_iter().chain(of_b).find_map(|push| self.cover_of(&push, near))
     }
 
-    fn covers<'n>(&self, push: &Push, near: &dyn Fn(usize) -> &'n [usize]) -> Option<usize> {
-        let &Push { block, vertex, out_of, along, gap_before, depth } = push;
+    /// The same of one vertex.
+    fn cover_of<'n>(&self, push: &PushedVertex, near: &dyn Fn(usize) -> &'n [usize]) -> Option<usize> {
+        let &PushedVertex { block, vertex, out_of, along, gap_before, depth } = push;
         if !self.shapes[out_of].is_convex() {
             return None;
         }
@@ -208,12 +211,10 @@ impl StepLook<'_> {
     /// The unit normal of a face, outwards, and a corner of it.
     fn plane(&self, block: usize, face: usize, places: &[Places]) -> FacePlane {
         let corners = &self.shapes[block].topology().faces()[face];
-        let corner = |vertex: &VertexId| places[block][vertex.index()];
-        let first = corner(corners.first()?);
-        let arms: Vec<[f64; 3]> = corners[1..].iter().map(|vertex| minus(corner(vertex), first)).collect();
-        let area = arms.windows(2).map(|pair| cross(pair[0], pair[1])).fold([0.0; 3], plus);
-        let size = length(area);
-        (size > 0.0).then(|| (area.map(|x| x / size), first))
+        let corner = |vertex: VertexId| places[block][vertex.index()];
+        let normal = face_normal(corners, corner);
+        let size = length(normal);
+        (size > 0.0).then(|| (normal.map(|x| x / size), corner(corners[0])))
     }
 }
 
@@ -234,6 +235,5 @@ fn neighbours<R: Real>(state: &State<R>) -> Vec<Vec<usize>> {
 
 /// What a contact presses its blocks apart with (N).
 fn normal_force<R: Real>(contact: &ContactState<R>) -> f64 {
-    let near = |v: &Vector<R>| v.components().map(R::to_f64);
-    dot(near(&contact.force), near(&contact.normal)).abs()
+    dot(point(contact.force), point(contact.normal)).abs()
 }

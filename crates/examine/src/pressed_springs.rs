@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use rockproof_model::{Block, Entrance, Number, Scene, ToleranceSet, VertexId};
 use rockproof_oracle::audit::OverlapSeverity;
 use rockproof_oracle::{Pair, PreparedBlock};
+use rockproof_simulate::f64_vector::{cross, dot, face_normal, length, minus, plus, point};
 use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::ContactState;
-use rockproof_stepper::vector::Vector;
 
 /// The normal spring of a contact that overlaps.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +75,7 @@ pub(crate) fn after_settling<R: Real>(scene: &Scene, contacts: &[ContactState<R>
     let pressed = contacts.iter().filter(|contact| contact.mode.is_closed() && contact.gap.to_f64() < 0.0);
     let spring = |contact: &ContactState<R>| {
         let blocks = contact.blocks.map(|block| block as usize);
-        let near = |vector: &Vector<R>| vector.components().map(R::to_f64);
-        let (normal, at, force) = (near(&contact.normal), near(&contact.points[0]), near(&contact.force));
+        let (normal, at, force) = (point(contact.normal), point(contact.points[0]), point(contact.force));
         PressedSpring { blocks, stiffness: stiffness(scene, blocks), depth: -contact.gap.to_f64(), normal, at, force }
     };
     pressed.map(spring).collect()
@@ -93,11 +92,11 @@ fn place([a, b]: [&Block; 2], entrance: &Entrance) -> ([f64; 3], [f64; 3]) {
     let (across, on_a, on_b) = match *entrance {
         Entrance::VertexFace(vertex, face) => {
             let face = b.topology().face(face);
-            (face_normal(b, face), vertex_of(a, vertex), vertex_of(b, face[0]))
+            (face_normal(face, |corner| vertex_of(b, corner)), vertex_of(a, vertex), vertex_of(b, face[0]))
         }
         Entrance::FaceVertex(face, vertex) => {
             let face = a.topology().face(face);
-            (face_normal(a, face), vertex_of(a, face[0]), vertex_of(b, vertex))
+            (face_normal(face, |corner| vertex_of(a, corner)), vertex_of(a, face[0]), vertex_of(b, vertex))
         }
         Entrance::EdgeEdge(edge_a, edge_b) => {
             let ends = |block: &Block, edge| {
@@ -118,12 +117,6 @@ fn place([a, b]: [&Block; 2], entrance: &Entrance) -> ([f64; 3], [f64; 3]) {
         _ => on_a,
     };
     (normal, at)
-}
-
-fn face_normal(block: &Block, face: &[VertexId]) -> [f64; 3] {
-    let first = vertex_of(block, face[0]);
-    let arms: Vec<[f64; 3]> = face[1..].iter().map(|&vertex| minus(vertex_of(block, vertex), first)).collect();
-    arms.windows(2).map(|pair| cross(pair[0], pair[1])).fold([0.0; 3], plus)
 }
 
 pub(crate) fn vertex_of(block: &Block, vertex: VertexId) -> [f64; 3] {
@@ -153,26 +146,6 @@ pub(crate) fn released(springs: &[&PressedSpring], block: usize, centroid: [f64;
     let turning = along(&|spring: &PressedSpring| cross(minus(spring.at, centroid), normal(spring)));
     let stored: f64 = springs.iter().map(|spring| spring.energy_j()).sum();
     moving.max(turning).min(stored)
-}
-
-pub(crate) fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| a[k] + b[k])
-}
-
-pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(crate) fn length(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::deepest::deepest;
 use crate::error::ExamineError;
-use crate::false_entrances::{KnownPlanes, Places, StepLook, places};
+use crate::false_entrances::{FacePlanes, Places, StepGeometry, places};
 use crate::past_middle::past_middle;
 use rayon::prelude::*;
 use rockproof_model::{Block, Contact, ContactKey, Number, Precision, Scene, ToleranceSet};
@@ -12,8 +12,8 @@ use rockproof_oracle::penetration::Penetration;
 use rockproof_oracle::{Pair, PreparedBlock};
 use rockproof_simulate::run::StepAnnotations;
 use rockproof_simulate::{AuditScope, FalseEntrance, PairDepth, StepAudit, StepPassages, Stepping};
+use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{ClosedContacts, PressedBlocks, State, StepError, StepReport, yielding_size};
-use rockproof_stepper::{Real, Vector};
 
 /// Pairs that f64 looks at in one thread: to wake others costs more.
 const FEW: usize = 512;
@@ -71,8 +71,7 @@ impl<R: Real> AuditedRun<R> {
     /// step left closed at any depth, as the next step does. Where overlaps alone are looked for, one that the step left closed and that has h < 0 is
     /// enough: it costs next to nothing, and what the next classification loses is unseen after that step.
     fn audit_overlaps(&self, screen: &Screen<'_>, state: &State<R>) -> StepAudit {
-        let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
-        let rounding = rounding_depth_of_size(&largest, self.precision);
+        let rounding = rounding_depth(screen, self.precision);
         // Blocks that overlap by no more are no concern of contacts; rounded down, so that "at most" is sure.
         let harmless = if rounding < self.set.penetration { &rounding } else { &self.set.penetration };
         let harmless = harmless.approximate().next_down();
@@ -96,7 +95,7 @@ impl<R: Real> AuditedRun<R> {
         // Each takes long enough to be worth another thread.
         let unseen: Vec<UnseenOverlap> = open.par_iter().filter_map(exactly).collect();
         let (unseen, explained) = beyond_yielding(unseen, state, &self.is_fixed);
-        let floor = rounding_depth_of_size(&largest, Precision::F64);
+        let floor = rounding_depth(screen, Precision::F64);
         let bounded = candidates.into_iter().map(|candidate| candidate.overlap).collect();
         let deepest = deepest_beyond(screen, &self.set, bounded, &floor);
         let is_deep = deepest.is_some_and(|deepest| deepest.depth_m > self.set.penetration.approximate());
@@ -106,18 +105,17 @@ impl<R: Real> AuditedRun<R> {
 
     /// The contacts of a step that pushed where nothing met, or through a face that another block covers; `before` is where the blocks were.
     fn false_entrances(&self, screen: &Screen<'_>, (before, state): (&[Places], &State<R>)) -> Vec<FalseEntrance> {
-        let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
-        let look = StepLook {
+        let geometry = StepGeometry {
             shapes: &self.shapes,
             is_fixed: &self.is_fixed,
             before,
             after: &places(state),
             screen,
-            planes: KnownPlanes::of(self.shapes.len()),
+            planes: FacePlanes::of(self.shapes.len()),
             penetration: self.set.penetration.approximate(),
-            rounding: rounding_depth_of_size(&largest, self.precision).approximate(),
+            rounding: rounding_depth(screen, self.precision).approximate(),
         };
-        look.false_entrances(state)
+        geometry.false_entrances(state)
     }
 
     /// Which pairs passed through one another. Only pairs whose boxes over the whole step meet are asked about.
@@ -183,8 +181,7 @@ pub(crate) fn is_unseen<R: Real>(
     blocks: [usize; 2],
 ) -> bool {
     let Some(screen) = screened(shapes, state) else { return true };
-    let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
-    let rounding = rounding_depth_of_size(&largest, precision);
+    let rounding = rounding_depth(&screen, precision);
     let closed_see = scope == AuditScope::Overlaps;
     let found = unseen(&screen, (set, closed_see), blocks, (ClosedContacts::of(state).between(blocks), &rounding));
     !beyond_yielding(found.into_iter().collect(), state, is_fixed).0.is_empty()
@@ -259,9 +256,13 @@ fn deepest_beyond(
 
 /// The blocks where a state has them, for f64 to look at; `None` where a number is not finite.
 fn screened<'s, R: Real>(shapes: &'s [Block], state: &State<R>) -> Option<Screen<'s>> {
-    let place = |v: &Vector<R>| v.components().map(R::to_f64);
-    let places = state.blocks.iter().map(|block| block.vertices.iter().map(place).collect());
-    Screen::new(shapes.iter().zip(places))
+    Screen::new(shapes.iter().zip(places(state)))
+}
+
+/// The depth in m below which rounding decides whether blocks overlap, at their largest coordinate.
+fn rounding_depth(screen: &Screen<'_>, precision: Precision) -> Number {
+    let largest = Number::from_f64(screen.largest_coordinate()).unwrap_or(Number::ZERO);
+    rounding_depth_of_size(&largest, precision)
 }
 
 fn all_blocks(screen: &Screen<'_>, count: usize) -> Vec<Block> {

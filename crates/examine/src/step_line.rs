@@ -29,6 +29,7 @@ pub(crate) fn step_fault(steps: &Steps) -> String {
     }
 }
 
+/// The line on them.
 pub(crate) fn steps(given: &Assessment) -> Line {
     let made = match &given.steps {
         Steps::Skipped(why) => return line("steps", Severity::Fair, why.clone()),

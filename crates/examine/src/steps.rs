@@ -69,11 +69,11 @@ impl Steps {
         self.made().is_some_and(|made| made.unsettled > 0)
     }
 
-    /// Whether false entrances decide how blocks move ([`FalseEntranceTotals::decide`]).
+    /// Whether false entrances decide how blocks move ([`FalseEntranceTotals::are_decisive`]).
     ///
-    /// [`FalseEntranceTotals::decide`]: rockproof_simulate::FalseEntranceTotals::decide
-    pub fn have_false_entrances(&self) -> bool {
-        self.made().is_some_and(|made| made.totals.false_entrances.decide())
+    /// [`FalseEntranceTotals::are_decisive`]: rockproof_simulate::FalseEntranceTotals::are_decisive
+    pub fn have_decisive_false_entrances(&self) -> bool {
+        self.made().is_some_and(|made| made.totals.false_entrances.are_decisive())
     }
 
     /// Whether blocks overlap deeper than `penetration` after some step: held only by contacts that were closed before, and lost once one opens.

@@ -2,10 +2,11 @@
 
 use crate::extents::short;
 use crate::overlaps::{Overlaps, pair_in_words};
-use crate::pressed_springs::{PressedSpring, at_start, dot, length, plus, released};
+use crate::pressed_springs::{PressedSpring, at_start, released};
 use rockproof_model::simulation::motion_energy;
 use rockproof_model::tolerance_rules::weights_borne;
 use rockproof_model::{Number, Scene, SceneBlock, ToleranceSet, Vec3};
+use rockproof_simulate::f64_vector::{dot, length, plus};
 use rockproof_tune::hold_lowest;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

@@ -211,7 +211,7 @@ fn doubts(given: &Assessment, scene: &Scene) -> Vec<String> {
             Totals::SETTLES_FRICTION
         ));
     }
-    if given.steps.have_false_entrances() {
+    if given.steps.have_decisive_false_entrances() {
         said.push("contacts push blocks where nothing holds them (false entrances), so that they move otherwise than rock does".to_owned());
     }
     said.extend(given.warnings.iter().map(|warning| warning.kind.title().to_owned()));

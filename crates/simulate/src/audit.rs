@@ -125,7 +125,7 @@ pub struct AuditTotals {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_past_middle: Option<PairExtreme>,
     /// The false entrances.
-    #[serde(default, skip_serializing_if = "FalseEntranceTotals::is_nothing")]
+    #[serde(default, skip_serializing_if = "FalseEntranceTotals::has_no_steps")]
     pub false_entrances: FalseEntranceTotals,
     /// Passages, over all steps; none where they were not looked for.
     pub passages: Option<u64>,

@@ -2,7 +2,7 @@
 //! another block, or one whose plane changes, brings energy along.
 
 use crate::exact_float::ExactFloat;
-use crate::frame::{Point, cross, dot, minus, point};
+use crate::f64_vector::{Point, cross, dot, minus, point};
 use rockproof_model::simulation::PointLoad;
 use rockproof_model::{Number, Precision, Scene, Topology};
 use rockproof_stepper::Real;
@@ -110,7 +110,7 @@ impl<'s> EnergyInput<'s> {
 
     /// The points of loads before a step, from which [`EnergyInput::work`] is calculated.
     pub fn load_points<R: Real>(&self, state: &State<R>) -> Vec<Point> {
-        state.load_points.iter().map(|point| point.components().map(R::to_f64)).collect()
+        state.load_points.iter().map(|&load| point(load)).collect()
     }
 
     /// The work of all loads in a step (J): that of the force at its end, which is what steps take.

@@ -12,7 +12,7 @@ pub struct FalseEntrance {
     pub blocks: [usize; 2],
     /// The block behind the face; none where the two never met within the step.
     pub into: Option<usize>,
-    /// What such contacts of the pair press with, as a share of what all contacts press one of its blocks with.
+    /// What all such contacts press one of its blocks with, those of other pairs too, as a share of what all contacts press it with.
     pub share: f64,
 }
 
@@ -67,13 +67,13 @@ impl FalseEntranceTotals {
     }
 
     /// Whether no step was looked at.
-    pub(crate) fn is_nothing(&self) -> bool {
+    pub(crate) fn has_no_steps(&self) -> bool {
         *self == FalseEntranceTotals::default()
     }
 
     /// Whether in some step more than a third of what contacts press a block with goes through false entrances of one kind: what becomes of it is then not what would
     /// become of rock. Where blocks of cut rock lie at rest, corners at seams bear less in most steps.
-    pub fn decide(&self) -> bool {
+    pub fn are_decisive(&self) -> bool {
         [&self.unmet, &self.covered].into_iter().any(|kind| kind.most.0 > DECISIVE)
     }
 
@@ -141,9 +141,9 @@ mod tests {
             "in 2 of 3 steps (first 2–3, step 2, with 50.0 % of what contacts press a block with, at most 100.0 %)",
         ];
         assert!(sentence.contains(covered) && sentence.contains(unmet), "{sentence}");
-        assert!(totals.decide());
+        assert!(totals.are_decisive());
         let third = FalseEntranceSteps { most: ExactFloat(1.0 / 3.0), ..totals.unmet.clone() };
-        assert!(!FalseEntranceTotals { unmet: third, ..totals.clone() }.decide(), "a third is not more");
+        assert!(!FalseEntranceTotals { unmet: third, ..totals.clone() }.are_decisive(), "a third is not more");
         let text = serde_json::to_string(&totals).expect("JSON");
         assert_eq!(serde_json::from_str::<FalseEntranceTotals>(&text).ok(), Some(totals));
     }

@@ -1,5 +1,6 @@
 //! A state as pictures: the blocks, and the contacts as points.
 
+use crate::f64_vector::{Point, cross, dot, minus, point};
 use rockproof_model::vtu_writer::{Cells, DataArray, Polyhedra, SCALAR, UnstructuredGrid, VECTOR};
 use rockproof_model::{Scene, Topology};
 use rockproof_stepper::dynamics::{ContactState, State};
@@ -11,24 +12,6 @@ const TENSOR: &[&str] = &["XX", "YY", "ZZ", "XY", "YZ", "XZ"];
 const VTK_ORDER: [usize; 6] = [0, 1, 2, 5, 3, 4];
 /// The two blocks of a contact.
 const BLOCKS: &[&str] = &["A", "B"];
-
-pub(crate) type Point = [f64; 3];
-
-pub(crate) fn point<R: Real>(v: Vector<R>) -> Point {
-    v.components().map(R::to_f64)
-}
-
-pub(crate) fn minus(a: Point, b: Point) -> Point {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-pub(crate) fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(crate) fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
 
 /// Volume (m³) and centroid (m), by tetrahedra from the first vertex to the fans of the faces.
 pub(crate) fn volume_and_centroid(topology: &Topology, points: &[Point]) -> (f64, Point) {

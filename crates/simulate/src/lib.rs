@@ -7,6 +7,7 @@ pub mod audit;
 pub mod checkpoint;
 pub mod energy_gain;
 pub mod exact_float;
+pub mod f64_vector;
 pub mod false_entrances;
 pub mod frame;
 pub mod identity;

@@ -2,7 +2,7 @@
 //! speed. In f32 that is 15 µm at 300 m from the origin.
 
 use crate::exact_float::in_four_digits;
-use crate::frame::dot;
+use crate::f64_vector::{dot, point};
 use rockproof_model::Scene;
 use rockproof_model::simulation::step_in_words;
 use rockproof_stepper::Real;
@@ -128,7 +128,7 @@ impl<R: Real> StandstillWatch<R> {
             let held = |&is_held: &bool| if is_held { Held::Fast } else { Held::Along(Vec::new()) };
             let mut all: Vec<Held> = self.is_held.iter().map(held).collect();
             for contact in state.contacts.iter().filter(|contact| contact.mode.is_closed()) {
-                let normal = contact.normal.components().map(R::to_f64);
+                let normal = point(contact.normal);
                 contact.blocks.iter().for_each(|&block| all[block as usize].add(contact.mode, normal));
             }
             for (block, held) in all.into_iter().enumerate() {

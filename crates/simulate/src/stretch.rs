@@ -1,6 +1,6 @@
 //! Which deformable blocks are strained at the end of a run by more than small strains are, for which alone steps are right: shear leaves the volume as it was.
 
-use crate::frame::{Point, dot, minus, point};
+use crate::f64_vector::{Point, dot, minus, point};
 use rockproof_model::Scene;
 use rockproof_model::simulation::Motion;
 use rockproof_stepper::Real;

@@ -1,10 +1,11 @@
 //! Rows of `steps.csv`, `measured.csv` and `contacts.csv`. Every number is the shortest decimal that is this f64.
 
 use crate::audit::{self, StepAudit};
+use crate::f64_vector;
 use rockproof_model::text::csv_cell;
 use rockproof_model::{ContactKind, Scene};
+use rockproof_stepper::Real;
 use rockproof_stepper::dynamics::{Mode, State, StepReport};
-use rockproof_stepper::{Real, Vector};
 
 /// Columns of `measured.csv`.
 pub const MEASURED: [&str; 9] = ["step", "time_s", "point", "x_m", "y_m", "z_m", "dx_m", "dy_m", "dz_m"];
@@ -87,7 +88,7 @@ pub fn measured_rows<R: Real>(
     let points = scene.simulation.measured_points.iter().zip(begin.measured_points.iter().zip(&state.measured_points));
     points
         .map(|(point, (then, now))| {
-            let (then, now) = (then.components().map(R::to_f64), now.components().map(R::to_f64));
+            let (then, now) = (f64_vector::point(*then), f64_vector::point(*now));
             let moved = std::array::from_fn::<f64, 3, _>(|k| now[k] - then[k]);
             let mut row = vec![report.step.to_string(), number(report.time), csv_cell(&point.name)];
             row.extend(now.into_iter().chain(moved).map(number));
@@ -107,14 +108,10 @@ pub fn contact_rows<R: Real>(report: &StepReport, state: &State<R>) -> Vec<Vec<S
         row.push(entrance.kind().name().to_owned());
         row.extend(entrance.numbers().map(|number| number.to_string()));
         row.extend([c.mode.name().to_owned(), number(c.gap.to_f64())]);
-        row.extend([c.points[0], c.normal, c.force].into_iter().flat_map(components).map(number));
+        row.extend([c.points[0], c.normal, c.force].into_iter().flat_map(f64_vector::point).map(number));
         row
     };
     state.contacts.iter().map(row).collect()
-}
-
-fn components<R: Real>(v: Vector<R>) -> [f64; 3] {
-    v.components().map(R::to_f64)
 }
 
 fn number(value: f64) -> String {

@@ -1,7 +1,8 @@
 //! Which blocks have another volume at the end of a run than they began with: strain changes it, and so does turning where
 //! `kinematics = "linear"` moves vertices along tangents.
 
-use crate::frame::{Point, point, volume_and_centroid};
+use crate::f64_vector::{Point, point};
+use crate::frame::volume_and_centroid;
 use rockproof_model::Scene;
 use rockproof_model::simulation::Kinematics;
 use rockproof_stepper::Real;

@@ -80,6 +80,11 @@ pub struct Merged {
     pub vertices: usize,
 }
 
+/// A point moved by `offset`, exactly.
+pub(crate) fn translated(point: &Point, offset: &Point) -> Point {
+    Vec3::new(point.x.plus(&offset.x), point.y.plus(&offset.y), point.z.plus(&offset.z))
+}
+
 impl Block {
     /// The block with these vertices and face loops, in canonical form: coplanar neighbours are merged, vertices in
     /// line between two edges dropped. The rest keeps its order.
@@ -125,12 +130,7 @@ impl Block {
     /// The block moved by `offset`, exactly.
     #[must_use]
     pub fn translated(&self, offset: &Point) -> Block {
-        self.with_vertices(
-            self.vertices
-                .iter()
-                .map(|v| Vec3::new(v.x.plus(&offset.x), v.y.plus(&offset.y), v.z.plus(&offset.z)))
-                .collect(),
-        )
+        self.with_vertices(self.vertices.iter().map(|vertex| translated(vertex, offset)).collect())
     }
 
     /// The block as an engine of the given precision sees it, or `None` where a coordinate overflows.

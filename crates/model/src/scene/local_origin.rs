@@ -1,6 +1,6 @@
 //! Coordinates relative to another origin: surveys give eastings and northings of millions of metres, and digits that these take are gone for the blocks.
 
-use crate::block::Point;
+use crate::block::{Point, translated};
 use crate::number::Number;
 use crate::scene::Scene;
 use crate::vector::Vec3;
@@ -18,7 +18,7 @@ impl Scene {
         let fixed = simulation.fixed_points.iter_mut().map(|point| &mut point.at);
         let measured = simulation.measured_points.iter_mut().map(|point| &mut point.at);
         for at in loads.chain(fixed).chain(measured) {
-            *at = Vec3::new(at.x.plus(&offset.x), at.y.plus(&offset.y), at.z.plus(&offset.z));
+            *at = translated(at, &offset);
         }
         for block in &mut self.blocks {
             block.block = block.block.translated(&offset);
